@@ -174,7 +174,7 @@ class OnOneCore {
 
 int main() {
   spdlog::set_level(spdlog::level::warn);  // sessions that come and go
-  if (server::real_host().open_idle_latency() == 0) server::real_host().keep_awake(true);
+  bench::keep_processors_awake();
   const std::optional<int> loop_cpu = bench::leave_a_core_to_the_loop();
   bench::print_header();
   {

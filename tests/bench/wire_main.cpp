@@ -129,6 +129,7 @@ void with_the_simulated_finger(Bare& bare) {
 
 int main() {
   spdlog::set_level(spdlog::level::warn);  // sessions that come and go
+  bench::keep_processors_awake();
   bench::print_header();
   Bare bare;
   with_a_sample_that_lies_ready(bare);

@@ -62,9 +62,10 @@ FREE = Proxy(wire.PROXY_MODE_FREE)
 
 
 def held(position: Sequence[float]) -> Proxy:
-    """The proxy stays here until the next sample; m or rad per virtual coordinate. Those in which
-    this is the x_probe of the state that was used go on with the probe, as if free. Force begins
-    with it only after a FREE one: it does not say on which side of an object the probe is."""
+    """The proxy stays here until the next sample; m or rad per virtual coordinate. A coordinate in
+    which this is the x_probe of the state that was used follows the probe instead, as if free,
+    unless the sample before held it at the same value. Force begins with a held proxy only after a
+    FREE one: it does not say on which side of an object the probe is."""
     return Proxy(wire.PROXY_MODE_HELD, tuple(map(float, position)))
 
 

@@ -72,8 +72,9 @@ HAPTIC_API int haptic_wait_for_state(haptic_session* session, uint32_t timeout_m
 
 /* Where the proxy is now. publish never waits for the network; the newest sample wins. It is taken
  * to be computed from the last state that this session gave you. x has `count` values, one per
- * coordinate of the device. Where a held proxy is that state's x_probe it goes on with the probe,
- * as if free. Force begins with it only after a free one. */
+ * coordinate of the device. A coordinate in which a held proxy is that state's x_probe follows the
+ * probe, as if free, unless the sample before held it at the same value. Force begins with a held
+ * proxy only after a free one. */
 HAPTIC_API int haptic_publish_free(haptic_session* session, haptic_error* error);
 HAPTIC_API int haptic_publish_held(haptic_session* session, const double* x, size_t count,
                                    haptic_error* error);

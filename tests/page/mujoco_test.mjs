@@ -108,7 +108,7 @@ test("a MuJoCo scene in the browser", { timeout: 600000 }, async (t) => {
     await handOpens(watch);
     await page.click("#reset");
     const grasp = forcesOfGrasp(watch), ofCore = await frameOfCore(grasp), forces = await grasp;
-    await says(page, "#pushed", /You moved the box by \d+ mm/);
+    await says(page, "#pushed", /The box has moved by \d+ mm/);
     const [timing, painted] = await page.evaluate(
       () => ["timing", "painted"].map((id) => document.getElementById(id).textContent));
     console.log(`a frame ${timing}; of a core ${ofCore}; ${painted}`);
@@ -153,7 +153,7 @@ test("a MuJoCo scene in the browser", { timeout: 600000 }, async (t) => {
     await says(page, "#said", /not for this device/);
     await says(page, "#state", /^Force is on/);
     const ofCore = await frameOfCore(handPresses(watch)
-      .then(() => says(page, "#pushed", /You moved the box by \d+ mm/)), CALM);
+      .then(() => says(page, "#pushed", /The box has moved by \d+ mm/)), CALM);
     const timing = await page.evaluate(() => document.getElementById("timing").textContent);
     console.log(`a frame of the hand ${timing}; of a core ${ofCore}`);
     await page.screenshot({ path: PICTURE.replace(/\.png$/, "-hand.png"), fullPage: true });

@@ -38,6 +38,12 @@ function idle(): void {
   stage?.press(new Float32Array());
 }
 
+/** "You touch the ball and the box." */
+function touchWords(touched: string[]): string {
+  const things = touched.map((name) => (name === "" ? "something" : `the ${name}`)).sort();
+  return `You touch ${things.length > 0 ? things.join(" and ") : "nothing"}.`;
+}
+
 function frame(report: Extract<Report, { kind: "frame" }>): void {
   running(true);
   const { name, title, tone } = stateWords(report.state);
@@ -48,10 +54,10 @@ function frame(report: Extract<Report, { kind: "frame" }>): void {
   at("fault").hidden = tone !== "fault";
   const hint = name === "ARMED" && !asked ? " Press Force on." : "";
   say(at("state"), `${title}.${report.refusal ? ` No force yet: ${report.refusal}.` : hint}`);
-  const touches = report.presses.length > 0 ? "You touch something." : "You touch nothing.";
-  say(at("touch"), report.following ? touches : "The finger or hand is on its way to the device.");
+  say(at("touch"), report.following ? touchWords(report.touched)
+    : "The finger or hand is on its way to the device.");
   say(at("pushed"), (stage?.pushed() ?? [])
-    .map(({ name, mm }) => `You moved the ${name} by ${mm} mm.`).join(" "));
+    .map(({ name, mm }) => `The ${name} has moved by ${mm} mm.`).join(" "));
   say(at("forces"), report.forces
     .map((force, i) => `${motors[i]?.name ?? i} ${force.toFixed(2)} ${motors[i]?.unit ?? ""}`)
     .join(", "));

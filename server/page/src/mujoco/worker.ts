@@ -83,13 +83,13 @@ async function run(session: Session, world: World): Promise<void> {
     if (!shown) continue;
     shown = false;
     const places = world.places(), probe = world.placesOfProbe(state.xProbe);
-    const points = world.pointsOfProbe(state.xProbe), presses = world.presses();
+    const points = world.pointsOfProbe(state.xProbe), { presses, touched } = world.presses();
     if (performance.now() - timed > 500) {
       timing = frames.timing;
       timed = performance.now();
     }
     say({
-      kind: "frame", places, probe, points, presses, timing, state: state.state,
+      kind: "frame", places, probe, points, presses, touched, timing, state: state.state,
       refusal: refusalOf(session), forces: state.tauA,
       following: world.tool.following,
     }, [places.buffer, probe.buffer, points.buffer, presses.buffer]);

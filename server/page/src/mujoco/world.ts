@@ -40,14 +40,19 @@ export class World {
   reset(): void {
     this.mujoco.mj_resetData(this.model, this.data);
   }
-  /** Of contacts that press the tool: where, and the force on it. 6 numbers each. */
-  presses(): Float32Array {
-    return Float32Array.from(this.engine.contacts().flatMap((contact, i) => {
+  /** Of contacts that press the tool: where, and the force on it, 6 numbers each; and the bodies
+   * that press it, by name ("world": what stands still). */
+  presses(): { presses: Float32Array; touched: string[] } {
+    const touched = new Set<string>();
+    const presses = Float32Array.from(this.engine.contacts().flatMap((contact, i) => {
       const { geom1, geom2, efcAddress, pos, normal } = contact, second = this.moves(geom2);
       if (efcAddress < 0 || second === this.moves(geom1)) return [];
       const force = this.engine.normalForce(i) * (second ? 1 : -1);
-      return force === 0 ? [] : [...pos, ...normal.map((part) => part * force)];
+      if (force === 0) return [];
+      touched.add(this.bodyNameOf(second ? geom1 : geom2));
+      return [...pos, ...normal.map((part) => part * force)];
     }));
+    return { presses, touched: [...touched] };
   }
 
   geoms(): Geom[] {
@@ -99,10 +104,15 @@ export class World {
 
   private freeBodyOf(geom: number): string {
     const { bodyJoint, bodyJoints, geomBody, jointType } = this.engine.fixed;
-    const { mjtJoint, mjtObj } = this.mujoco, body = geomBody[geom]!;
+    const { mjtJoint } = this.mujoco, body = geomBody[geom]!;
     const free = bodyJoints[body]! > 0 &&
       jointType[bodyJoint[body]!] === mjtJoint.mjJNT_FREE.value && !this.moves(geom);
-    return free ? this.mujoco.mj_id2name(this.model, mjtObj.mjOBJ_BODY.value, body) ?? "" : "";
+    return free ? this.bodyNameOf(geom) : "";
+  }
+  /** Empty: it has none. */
+  private bodyNameOf(geom: number): string {
+    const body = this.engine.fixed.geomBody[geom] ?? -1;
+    return this.mujoco.mj_id2name(this.model, this.mujoco.mjtObj.mjOBJ_BODY.value, body) ?? "";
   }
   private moves(geom: number): boolean {
     return geom >= 0 && this.tool.moves(this.engine.fixed.geomBody[geom]!);

@@ -188,81 +188,105 @@ bool PlaneProjection::proxy_error(double age_error, bool whole, Remainder* left,
                                   ProxyError& out) const noexcept {
   out.of.setZero(count_);
   out.everywhere = unexplained_;
+  const Open open = what_is_open(age_error, whole, left);
+  if (open.involved == 0) return true;
+  out.known = open.bent < kMostBent;
+  const double stays = std::max(1.0 - open.bent, 1.0 - kMostBent);
+  // Each linearisation shrinks what is left by `bent`, or more.
+  if (curved_ != 0) out.everywhere += unsettled_ * open.bent / stays;
+  if (of_one_flat_contact(open, out)) return true;
+  double as_gap[kMaxPlanes];
+  const double off = of_each_contact(open, left, as_gap, out);
+  return grow(open, off, whole, left, as_gap, out);
+}
+
+/// What a sample leaves open of each contact, by the forces now, at the anchor and as told.
+PlaneProjection::Open PlaneProjection::what_is_open(double age_error, bool whole,
+                                                    Remainder* left) const noexcept {
+  Open open;
   const Vector& l = dual_.l();
-  // Written as far as `count_` only: clearing four vectors costs as much as all the rest.
-  double slope[kMaxPlanes], share[kMaxPlanes], gap[kMaxPlanes], room[kMaxPlanes];
-  int involved = 0, only = -1, at_anchor = 0;
-  double bent = 0.0;
+  int at_anchor = 0;
   LastTurn last;
   for (int i = 0; i < count_; ++i) at_anchor += anchored_l_[i] > 0.0 || told_l_[i] > 0.0;
   for (int i = 0; i < count_; ++i) {
-    slope[i] = share[i] = gap[i] = room[i] = 0.0;
+    double &slope = open.slope[i], &share = open.share[i], &gap = open.gap[i], &room = open.room[i];
+    slope = share = gap = room = 0.0;
     if (ContactDual::has(skipped_, i)) continue;
-    const bool curved = ContactDual::has(curved_, i);
     const double u = uncertainty_[i];
     const double before = scale_[i] > 0.0 ? anchored_l_[i] / scale_[i] : anchored_l_[i];
-    slope[i] = u * std::abs(l[i] - before);
+    slope = u * std::abs(l[i] - before);
     // Told as not touched, yet it must explain x: nothing is known of when it ends.
-    if (before > 0.0 && told_l_[i] == 0.0) share[i] = std::abs(l[i] - before) + before;
+    if (before > 0.0 && told_l_[i] == 0.0) share = std::abs(l[i] - before) + before;
     if (at_anchor > 1 && std::max(before, told_l_[i]) > 0.0) {
       // Several contacts may share what the anchor explains in another way: felt where one lifts.
       const double shared = std::abs(before - told_l_[i]) + u * told_l_[i];
-      share[i] += l[i] > 0.0 ? std::max(0.0, shared + slope[i] - l[i]) : 2.0 * shared;
+      share += l[i] > 0.0 ? std::max(0.0, shared + slope - l[i]) : 2.0 * shared;
     }
-    if (curved) {
+    if (ContactDual::has(curved_, i)) {
       left[i] = remainder(i, whole ? &last : nullptr);
-      gap[i] = scale_[i] * left[i].gap;
-      share[i] += scale_[i] * l[i] * left[i].gradient;
-      bent += scale_[i] * l[i] * (left[i].whole ? left[i].bend : bend_[i]);
+      gap = scale_[i] * left[i].gap;
+      share += scale_[i] * l[i] * left[i].gradient;
+      open.bent += scale_[i] * l[i] * (left[i].whole ? left[i].bend : bend_[i]);
     }
-    gap[i] += std::abs(speed_[i]) * age_error;
+    gap += std::abs(speed_[i]) * age_error;
     if (l[i] == 0.0) {
-      room[i] = -contacts_.depth[i];
+      room = -contacts_.depth[i];
       for (int j = 0; j < count_; ++j) {
-        if (l[j] > 0.0) room[i] += l[j] * A_.col(i).dot(contacts_.into.col(j));
+        if (l[j] > 0.0) room += l[j] * A_.col(i).dot(contacts_.into.col(j));
       }
-      room[i] = std::max(0.0, room[i]);
+      room = std::max(0.0, room);
     }
-    if (l[i] > 0.0 || slope[i] > 0.0 || share[i] > 0.0 || gap[i] > room[i]) {
-      ++involved;
-      only = i;
+    if (l[i] > 0.0 || slope > 0.0 || share > 0.0 || gap > room) {
+      ++open.involved;
+      open.only = i;
     }
   }
-  if (involved == 0) return true;
-  out.known = bent < kMostBent;
-  const double stays = std::max(1.0 - bent, 1.0 - kMostBent);
-  // Each linearisation shrinks what is left by `bent`, or more.
-  if (curved_ != 0) out.everywhere += unsettled_ * bent / stays;
-  if (involved == 1 && bent == 0.0 && !ContactDual::has(curved_, only)) {
-    const double u = uncertainty_[only], m = std::min(u, 1.0), gamma = gamma_[only];
-    const double softer = gamma > 0.0 ? gamma / (1.0 - m + gamma) : 0.0;
-    const double stiffer = gamma / (1.0 + u + gamma);
-    const double by_slope = share[only] + slope[only] * std::max(softer, stiffer);
-    const double by_gap = std::max(0.0, gap[only] - room[only]) / (1.0 + gamma / (1.0 + u));
-    out.of[only] = by_slope + by_gap;
-    out.along = only;
-    for (int i = 0; i < count_; ++i) {
-      if (i != only && !ContactDual::has(skipped_, i) && room[i] < out.of[only]) out.along = -1;
-    }
-    if (out.along >= 0) return true;
+  return open;
+}
+
+/// Exact, and x is off along its normal alone. False: there are others, or it is curved.
+bool PlaneProjection::of_one_flat_contact(const Open& open, ProxyError& out) const noexcept {
+  const int only = open.only;
+  if (open.involved != 1 || open.bent != 0.0 || ContactDual::has(curved_, only)) return false;
+  const double u = uncertainty_[only], m = std::min(u, 1.0), gamma = gamma_[only];
+  const double softer = gamma > 0.0 ? gamma / (1.0 - m + gamma) : 0.0;
+  const double stiffer = gamma / (1.0 + u + gamma);
+  const double by_slope = open.share[only] + open.slope[only] * std::max(softer, stiffer);
+  const double by_gap = std::max(0.0, open.gap[only] - open.room[only]) / (1.0 + gamma / (1.0 + u));
+  out.of[only] = by_slope + by_gap;
+  out.along = only;
+  for (int i = 0; i < count_; ++i) {
+    if (i != only && !ContactDual::has(skipped_, i) && open.room[i] < out.of[only]) out.along = -1;
   }
-  double off = 0.0, as_gap[kMaxPlanes];
+  return out.along >= 0;
+}
+
+/// Their sum. `as_gap`: how far x is off per error of a gap.
+double PlaneProjection::of_each_contact(const Open& open, const Remainder* left, double* as_gap,
+                                        ProxyError& out) const noexcept {
+  double off = 0.0;
   for (int i = 0; i < count_; ++i) {
     const bool curved = ContactDual::has(curved_, i);
-    if (!curved && slope[i] + share[i] + gap[i] == 0.0) continue;
+    if (!curved && open.slope[i] + open.share[i] + open.gap[i] == 0.0) continue;
     const double u = uncertainty_[i], gamma = gamma_[i];
     const double as_force = u < 1.0 ? std::min(1.0, 0.5 * std::sqrt(gamma / (1.0 - u))) : 1.0;
-    const double most = involved == 1 ? 1.0 : kWedge;
+    const double most = open.involved == 1 ? 1.0 : kWedge;
     as_gap[i] = gamma > 0.0 ? std::min(most, 0.5 * std::sqrt((1.0 + u) / gamma)) : most;
     // Its true gradient may be shorter: the same gap is then a longer way.
     if (curved) as_gap[i] /= std::max(1.0 - scale_[i] * left[i].gradient, 1.0 - kMostBent);
-    const double by_gap = std::max(0.0, gap[i] - room[i]) * as_gap[i];
-    out.of[i] = share[i] + slope[i] * as_force + by_gap;
+    const double by_gap = std::max(0.0, open.gap[i] - open.room[i]) * as_gap[i];
+    out.of[i] = open.share[i] + open.slope[i] * as_force + by_gap;
     off += out.of[i];
   }
-  // On a way E forces turn and gaps bend: E <= off + bent E + c E^2. What c is on the whole way is
-  // known for one that is assumed, the more the longer; it holds if E is no longer. At twice what
-  // it is without c there is no root beyond.
+  return off;
+}
+
+/// On a way E forces turn and gaps bend: E <= off + bent E + c E^2. What c is on the whole way is
+/// known for one that is assumed, the more the longer; it holds if E is no longer. At twice what
+/// it is without c there is no root beyond. False: none holds.
+bool PlaneProjection::grow(const Open& open, double off, bool whole, const Remainder* left,
+                           const double* as_gap, ProxyError& out) const noexcept {
+  const double stays = std::max(1.0 - open.bent, 1.0 - kMostBent);
   for (const double times : {1.25, 2.0}) {
     const double most = times * off / stays, far = most + out.everywhere + unsettled_;
     double c = 0.0;
@@ -271,8 +295,8 @@ bool PlaneProjection::proxy_error(double age_error, bool whole, Remainder* left,
       if (!ContactDual::has(curved_, i) || !left[i].whole) continue;
       follows = follows && left[i].grows * far <= 1.0;
       const double bow = 0.5 * scale_[i] * left[i].bend_within(far);
-      c += 0.5 * scale_[i] * l[i] * left[i].third_within(far);
-      if (gap[i] + bow * most * most > room[i]) c += bow * as_gap[i];
+      c += 0.5 * scale_[i] * dual_.l()[i] * left[i].third_within(far);
+      if (open.gap[i] + bow * most * most > open.room[i]) c += bow * as_gap[i];
     }
     const double root = stays * stays - 4.0 * c * off;
     if (!follows || root < 0.0) return false;

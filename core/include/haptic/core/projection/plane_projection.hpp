@@ -155,6 +155,23 @@ class PlaneProjection {
   /// Parts of error(): how far x may be off, and then each contact. `left`: of curved contacts.
   /// False: nothing follows from gaps that are told whole (`whole`) so far off.
   bool proxy_error(double age_error, bool whole, Remainder* left, ProxyError& out) const noexcept;
+  /// Of contact i: `slope` of its force, `share` of the force of others, m or rad in ||.||_W; how
+  /// far its gap may be off, and how far from it x is. Written as far as `count_` only: clearing
+  /// the four costs as much as all the rest.
+  struct Open {
+    double slope[kMaxPlanes], share[kMaxPlanes], gap[kMaxPlanes], room[kMaxPlanes];
+    double bent{0.0};  ///< by how much forces turn x along, at most
+    int involved{0};   ///< contacts that may push x elsewhere
+    int only{-1};      ///< the last of them
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
+    Open() noexcept {}
+  };
+  [[nodiscard]] Open what_is_open(double age_error, bool whole, Remainder* left) const noexcept;
+  bool of_one_flat_contact(const Open& open, ProxyError& out) const noexcept;
+  double of_each_contact(const Open& open, const Remainder* left, double* as_gap,
+                         ProxyError& out) const noexcept;
+  bool grow(const Open& open, double off, bool whole, const Remainder* left, const double* as_gap,
+            ProxyError& out) const noexcept;
   void contact_errors(double age_error, const Remainder* left, ProxyError& out) const noexcept;
   /// Curved contacts become the planes that touch them at z_.
   void linearise() noexcept;

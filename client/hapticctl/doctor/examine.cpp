@@ -36,9 +36,12 @@ StiffnessCap cap_of(const HostFiles& host, const Jitter& jitter,
 Report examine(const HostFiles& host, const HostAnswers& answers,
                const StiffnessQuestion& question) {
   Report report;
-  report.findings = {check_kernel(host),    check_realtime(answers),
-                     check_memory(answers), check_idle(answers),
-                     check_cgroup(host),    check_governor(host),
+  report.findings = {check_kernel(host),
+                     check_realtime(answers),
+                     check_memory(answers),
+                     check_idle(answers),
+                     check_cgroup(host),
+                     check_governor(host),
                      check_jitter(answers.jitter, question.period_s)};
   for (Finding& port : check_serial(host, answers)) report.findings.push_back(std::move(port));
   Health worst = Health::kGood;

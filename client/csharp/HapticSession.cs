@@ -123,8 +123,7 @@ public sealed class HapticSession : IDisposable {
 
   /// Nothing is in the way: no force. Force begins with a held proxy only after a free one.
   public void PublishFree() => Publish(ProxyMode.Free, null, null);
-  /// The proxy stays at x until the next sample. A coordinate in which x is State.XProbe follows the
-  /// probe instead, as if free, unless the sample before held it at the same value.
+  /// Stays at x; where x is State.XProbe it follows the probe, unless the sample before held it so.
   public void PublishHeld(double[] x) => Publish(ProxyMode.Held, Finite(x, nameof(x)), null);
   /// The server keeps the probe out of up to 32 planes or contacts at 1 kHz. x: where they are
   /// linearised; with an Id in any of them, the simulation's own proxy.

@@ -10,7 +10,7 @@ namespace {
 /// Of the second order: less is what a client's arithmetic leaves of 0.
 constexpr double kToldZero = 1e-6;
 /// Of what hinges and body are found from: less is little above a client's arithmetic.
-constexpr double kApart = 1e-3;
+constexpr double kLeastApart = 1e-3;
 /// Of the body's radius: nearer to its centre no normal is known.
 constexpr double kCentre = 1e-3;
 constexpr double kSphere = 1.1547005383792517;  // 2 / sqrt(3)
@@ -73,9 +73,9 @@ bool RoundGap::find_point() noexcept {
 bool RoundGap::find_hinges() noexcept {
   const double most = std::max({std::abs(H_[0][0]), std::abs(H_[0][1]), std::abs(H_[1][1])});
   const double apart = H_[0][0] - H_[0][1];
-  if (!(std::abs(apart) > kApart * most)) return false;
+  if (!(std::abs(apart) > kLeastApart * most)) return false;
   height_[1] = (H_[0][1] * H_[0][1] - H_[0][0] * H_[1][1]) / apart;
-  if (!(std::abs(height_[1]) > kApart)) return false;
+  if (!(std::abs(height_[1]) > kLeastApart)) return false;
   curve_ = (1.0 + H_[1][1] / height_[1]) / height_[1];
   const double rolls = H_[0][1] / height_[1];  // curve h_1 - 1
   height_[0] = rolls > -0.5 ? (1.0 + rolls) / curve_ : H_[0][0] / rolls;

@@ -71,7 +71,7 @@ TEST(Telemetry, ListenersAreCalledInTheirOrder) {
   rig.telemetry->remove(0, &a);
 }
 
-TEST(Telemetry, ProcessorsStayAwakeForTheFirstUntilTheLast) {
+TEST(Telemetry, WatchersKeepProcessorsAwake) {
   DeviceRig rig;
   std::vector<bool> told;
   rig.telemetry->on_watched([&](bool awake) { told.push_back(awake); });

@@ -140,6 +140,8 @@ class PlaneProjection {
   [[nodiscard]] double unsettled(const VecX& moved) const noexcept;
   /// The shape of object and tool at contact i; of unknown shape if i does not tell it.
   [[nodiscard]] RoundGap round_gap(const PlaneSet& planes, int i) const noexcept;
+  /// Beyond this share of its radius of curvature a displacement says nothing of the object.
+  static constexpr double kMostBent = 0.9;
   /// How far a gap and its gradient may be from their second order at z_, and its second order
   /// there, at most.
   using Remainder = RoundGap::Off;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs a libFuzzer program for a number of executions, in slices, and can go on where it stopped.
 
-    campaign.py PROGRAM CORPUS RECORD.csv EXECUTIONS [MAX_LEN]
+    campaign.py PROGRAM CORPUS RECORD.csv EXECUTIONS [MAX_LEN [DICTIONARY]]
 
 RECORD.csv has a line per slice: executions and seconds of processor time so far, covered edges,
 features, files of the corpus. A run that was ended goes on after its last line; a run that has its
@@ -73,10 +73,11 @@ def is_finding(program, path):
     return status not in (0, TIMED_OUT) or processor_s() - before > SLOW_S
 
 
-def run_slice(program, corpus, executions, longest):
+def run_slice(program, corpus, executions, longest, more):
     """Executions, edges, features, corpus; None at a finding; empty if it did not get far."""
     done = run(program, str(corpus), f"-artifact_prefix={corpus}/", f"-runs={executions}",
-               f"-max_total_time={SLICE_S}", f"-max_len={longest}", "-print_final_stats=1")
+               f"-max_total_time={SLICE_S}", f"-max_len={longest}", "-print_final_stats=1",
+               *more)
     if done.returncode == TIMED_OUT:
         for path in corpus.glob("timeout-*"):
             if is_finding(program, path):
@@ -98,12 +99,14 @@ def main():
         return 2
     program, corpus, record = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
     wanted, longest = int(float(sys.argv[4])), int(sys.argv[5]) if len(sys.argv) > 5 else 16384
+    more = [f"-dict={path}" for path in sys.argv[6:]]
     corpus.mkdir(parents=True, exist_ok=True)
     rows = read(record)
     while not rows or rows[-1]["executions"] < wanted:
         so_far = rows[-1] if rows else dict.fromkeys(COLUMNS, 0.0)
         began = processor_s()
-        found = run_slice(program, corpus, wanted - int(so_far["executions"]), longest)
+        found = run_slice(program, corpus, wanted - int(so_far["executions"]), longest,
+                          more)
         if found is None:
             print(f"{corpus.name}: a finding after {so_far['executions']:.3g} executions; "
                   f"its input is in {corpus}")

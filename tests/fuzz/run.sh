@@ -80,8 +80,14 @@ for target in "${targets[@]}"; do
     datagram) longest=2048 ;;
     crossing) longest=1024 ;;
   esac
+  dictionary=()
+  if [[ $target == scene ]]; then  # the names of fields and of values, which mutation hardly finds
+    dictionary=(build/fuzz/scene.dict)
+    sed -nE 's/^ +([A-Za-z0-9_.]+ )*([A-Za-z0-9_]+) = [0-9]+[; ].*/"\2"/p' \
+      proto/haptic/v1/scene.proto | sort -u >"${dictionary[0]}"
+  fi
   python3 tests/fuzz/campaign.py "$program" "$corpus" "build/fuzz/$target$suffix.csv" \
-    "${amount:-$default}" "$longest" || status=$?
+    "${amount:-$default}" "$longest" "${dictionary[@]}" || status=$?
   if ((status == 1)); then exit 1; fi
 done
 exit "$status"

@@ -2,8 +2,8 @@
 /// of messages as large, on the same host. All times are of this host's steady clock. And how late
 /// the loop of the shipped hapticd wakes while 16 viewers look on as the page does, at 60 Hz,
 /// against none: from the record of its ticks, with a fresh hapticd for every block. Its loop has
-/// the last core for itself, as server/README.md advises. Idle processors are kept awake, as hapticd
-/// does while a device is controlled.
+/// the last core for itself, as server/README.md advises. Idle processors are kept awake, as
+/// hapticd does while a device is controlled.
 #include <spdlog/spdlog.h>
 
 #include <atomic>

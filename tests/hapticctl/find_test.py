@@ -31,6 +31,7 @@ use-ipv6=no
 [publish]
 publish-hinfo=no
 publish-workstation=no
+publish-aaaa-on-ipv4=no
 """
 
 

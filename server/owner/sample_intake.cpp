@@ -6,16 +6,6 @@
 #include "server/base/steady_now.hpp"
 
 namespace haptic::server {
-namespace {
-
-/// Leaves the cache line alone if there is nothing new.
-void update(std::atomic<std::uint64_t>& number, std::uint64_t value) noexcept {
-  if (number.load(std::memory_order_relaxed) == value) return;
-  number.store(value, std::memory_order_relaxed);
-}
-
-}  // namespace
-
 SampleIntake::SampleIntake(Owner& owner, Publisher& publisher)
     : owner_(owner),
       publisher_(publisher),
@@ -66,6 +56,7 @@ void SampleIntake::take_for_tick() noexcept {
 
 bool SampleIntake::take(int most, const Owner::Turn& turn) {
   if (pages_ == nullptr) return false;
+  const std::uint64_t next_proxy = proxies_.next, next_pose = poses_.next;
   int proxies = 0, poses = 0;
   ProxySample& sample = sample_;
   for (; proxies < most && pages_->proxies.take(proxies_, sample); ++proxies) {
@@ -81,8 +72,8 @@ bool SampleIntake::take(int most, const Owner::Turn& turn) {
     publisher_.judged({pose.ticket, pose.seq, Carrier::kGrpc, owner_.accept(pose, turn)});
     ++judged_;
   }
-  update(proxies_taken_, proxies_.next);
-  update(poses_taken_, poses_.next);
+  if (proxies_.next != next_proxy) proxies_taken_.store(proxies_.next, std::memory_order_relaxed);
+  if (poses_.next != next_pose) poses_taken_.store(poses_.next, std::memory_order_relaxed);
   return proxies == most || poses == most;
 }
 

@@ -51,7 +51,7 @@ class SampleIntake {
   std::uint64_t judged_{0};
 
   // What the loop looks at without that lock; serve() waits until it does not look. A cache line of
-  // its own, written only if it changes: the loop's core keeps it from tick to tick.
+  // its own, which no other thread touches if nothing is new: the loop's core keeps it.
   alignas(64) std::atomic<const FrontsPages*> looked_at_{nullptr};
   std::atomic<bool> looking_{false};
   std::atomic<std::uint64_t> proxies_taken_{0}, poses_taken_{0};

@@ -107,8 +107,9 @@ void ask_for_cpu(int cpu, RealtimeHost& host, RealtimeGrant& grant, Account& acc
 
 void ask_for_awake_processors(RealtimeHost& host, RealtimeGrant& grant, Account& account) {
   grant.may_keep_awake = granted(account, "/dev/cpu_dma_latency", host.open_idle_latency(),
-                                 "idle processors sleep, so wake-ups are late by some 50 us more");
-  if (grant.may_keep_awake) account.granted.emplace_back("processors awake under a controller");
+                                 "idle processors sleep, so the loop wakes up tens of us later");
+  if (grant.may_keep_awake)
+    account.granted.emplace_back("idle processors stay awake while controlled");
 }
 
 void append(std::string& text, const std::vector<std::string>& parts, const char* separator) {

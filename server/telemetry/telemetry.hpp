@@ -50,8 +50,8 @@ class Telemetry {
   /// real-time priority and a second core. The drain itself then has the lowest real-time priority.
   /// Before start().
   void allow_watching(bool allowed) noexcept { may_watch_ = allowed; }
-  /// `keep_awake` is called by watch(): true when the first latency-sensitive client begins, false
-  /// when the last one ended. Before start().
+  /// `keep_awake` is told true when the first latency-sensitive client begins, and false when the
+  /// last one ended, or at stop(). Before start().
   void on_watched(std::function<void(bool awake)> keep_awake) {
     keep_awake_ = std::move(keep_awake);
   }

@@ -94,6 +94,8 @@ TEST_F(Doctor, SleepingProcessorsNeedTheGroup) {
   EXPECT_EQ(check_idle(answers).health, Health::kImpaired);
   EXPECT_TRUE(has(check_idle(answers).found, "EACCES")) << check_idle(answers).found;
   EXPECT_TRUE(has(check_idle(answers).advice, "usermod -aG haptic")) << check_idle(answers).advice;
+  answers.idle_error = ENOENT;
+  EXPECT_TRUE(has(check_idle(answers).advice, "--device")) << check_idle(answers).advice;
 }
 
 TEST_F(Doctor, TightestCpuBudgetOfParentsCounts) {

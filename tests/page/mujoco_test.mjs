@@ -109,6 +109,7 @@ test("a MuJoCo scene in the browser", { timeout: 600000 }, async (t) => {
     await page.click("#reset");
     const grasp = forcesOfGrasp(watch), ofCore = await frameOfCore(grasp), forces = await grasp;
     await says(page, "#pushed", /The box has moved by \d+ mm/);
+    await says(page, "#touch", /^You touch the (ball|box)( and the box)?\.$/);
     const [timing, painted] = await page.evaluate(
       () => ["timing", "painted"].map((id) => document.getElementById(id).textContent));
     console.log(`a frame ${timing}; of a core ${ofCore}; ${painted}`);

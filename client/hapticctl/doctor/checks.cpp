@@ -1,6 +1,7 @@
 #include "doctor/checks.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <limits>
@@ -103,10 +104,13 @@ Finding check_idle(const HostAnswers& answers) {
   if (answers.idle_error == 0) {
     return {"idle", Health::kGood, "idle processors may be kept awake", ""};
   }
+  const bool absent = answers.idle_error == ENOENT;
   return {"idle", Health::kImpaired,
           "/dev/cpu_dma_latency refused (" + error_text(answers.idle_error) +
               "): idle processors sleep, and wake-ups are late",
-          std::string(kJoinGroup) + "; in a container --device /dev/cpu_dma_latency"};
+          absent ? "in a container --device /dev/cpu_dma_latency, owned by a group of its user"
+                 : "usermod -aG haptic USER, then log in again (the group of the package hapticd; "
+                   "without it: docker/packaging/debian/60-haptic.rules)"};
 }
 
 Finding check_cgroup(const HostFiles& host) {

@@ -35,8 +35,8 @@ TEST(Realtime, FullGrantTakesShortLateFault) {
   EXPECT_EQ(grant.loop_late_fault, 8ms);
   EXPECT_TRUE(host.stack_touched);
   EXPECT_EQ(grant.facts.explanation.str(),
-            "pinned to CPU 1, SCHED_FIFO 80, memory locked, processors awake under a controller; "
-            "loop_late_fault is 8 ms");
+            "pinned to CPU 1, SCHED_FIFO 80, memory locked, idle processors stay awake while "
+            "controlled; loop_late_fault is 8 ms");
   EXPECT_TRUE(grant.may_keep_awake);
   EXPECT_FALSE(host.kept_awake);
 }

@@ -45,7 +45,7 @@ export type Report =
       points: Float32Array;
       /** Per contact that presses: where, and the force on the tool, N: 6 numbers. */
       presses: Float32Array;
-      /** The bodies that press, by name; empty: it has none. */
+      /** What presses, by name; empty: it has none. */
       touched: string[];
       state: DeviceStateName;
       /** Why there is no force, although it was asked for; empty: there is, or it was not. */

@@ -40,8 +40,8 @@ export class World {
   reset(): void {
     this.mujoco.mj_resetData(this.model, this.data);
   }
-  /** Of contacts that press the tool: where, and the force on it, 6 numbers each; and the bodies
-   * that press it, by name ("world": what stands still). */
+  /** Of contacts that press the tool: where, and the force on it, 6 numbers each; and what presses
+   * it, by the name of the shape or else of its body. */
   presses(): { presses: Float32Array; touched: string[] } {
     const touched = new Set<string>();
     const presses = Float32Array.from(this.engine.contacts().flatMap((contact, i) => {
@@ -49,7 +49,7 @@ export class World {
       if (efcAddress < 0 || second === this.moves(geom1)) return [];
       const force = this.engine.normalForce(i) * (second ? 1 : -1);
       if (force === 0) return [];
-      touched.add(this.bodyNameOf(second ? geom1 : geom2));
+      touched.add(this.nameOf(second ? geom1 : geom2));
       return [...pos, ...normal.map((part) => part * force)];
     }));
     return { presses, touched: [...touched] };
@@ -108,6 +108,10 @@ export class World {
     const free = bodyJoints[body]! > 0 &&
       jointType[bodyJoint[body]!] === mjtJoint.mjJNT_FREE.value && !this.moves(geom);
     return free ? this.bodyNameOf(geom) : "";
+  }
+  private nameOf(geom: number): string {
+    const { mj_id2name: name, mjtObj: { mjOBJ_GEOM } } = this.mujoco;
+    return name(this.model, mjOBJ_GEOM.value, geom) || this.bodyNameOf(geom);
   }
   /** Empty: it has none. */
   private bodyNameOf(geom: number): string {

@@ -50,8 +50,9 @@ class SampleIntake {
   std::vector<ArrivalOrder> proxy_arrivals_, pose_arrivals_;  ///< per device
   std::uint64_t judged_{0};
 
-  // What the loop looks at without that lock; serve() waits until it does not look. A cache line of
-  // its own, which no other thread touches if nothing is new: the loop's core keeps it.
+  // The loop looks at these without that lock; serve() waits until it does not look. They have a
+  // cache line of their own, which other threads touch only if there is something new. So the line
+  // stays in the cache of the loop's core.
   alignas(64) std::atomic<const FrontsPages*> looked_at_{nullptr};
   std::atomic<bool> looking_{false};
   std::atomic<std::uint64_t> proxies_taken_{0}, poses_taken_{0};

@@ -15,7 +15,8 @@ if [ -n "$complaints" ]; then
   exit 1
 fi
 for line in "Documentation=man:hapticd(8) man:hapticctl(1)" Type=notify NotifyAccess=main \
-  KillMode=mixed 'ExecReload=/bin/kill -HUP $MAINPID' User=hapticd \
+  'SupplementaryGroups=dialout haptic' KillMode=mixed \
+  'ExecReload=/bin/kill -HUP $MAINPID' User=hapticd \
   WatchdogSec=2s LimitRTPRIO=95 LimitMEMLOCK=infinity \
   "ExecStart=$2/bin/hapticd --scene $2/etc/hapticd/scene.textproto"; do
   grep -qxF "$line" "$unit" || { echo "unit_test.sh: no line '$line'" >&2; exit 1; }

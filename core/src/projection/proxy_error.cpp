@@ -102,7 +102,7 @@ bool PlaneProjection::proxy_error(double age_error, bool whole, Remainder* left,
   return grow(open, off, whole, left, as_gap, out);
 }
 
-/// What a sample leaves open of each contact, by the forces now, at the anchor and as told.
+/// Compares each contact's force now with its force at the anchor and the one that was told.
 PlaneProjection::Open PlaneProjection::what_is_open(double age_error, bool whole,
                                                     Remainder* left) const noexcept {
   Open open;

@@ -8,7 +8,8 @@ namespace haptic::core {
 
 namespace {
 
-/// Of a link: what a client's arithmetic leaves, and less than another finger or body makes of it.
+/// Two links are the same if their lengths differ by less than this share. A client's arithmetic
+/// leaves less; another finger or body makes more.
 constexpr double kSameLink = 1e-3;
 
 /// A joint that is not said to turn without end is on the real line, in rad.
@@ -40,8 +41,9 @@ double PlaneProjection::bend(int i) noexcept {
   return std::sqrt(std::max(0.0, square));
 }
 
-/// Of the coordinates of a point, or of two parallel hinges. Any two joints fit some such finger,
-/// and so does a body off the plane in which it moves, but not one with the link that is known.
+/// The contact's coordinates are those of a point, or of two parallel hinges. Any two joints fit
+/// some such finger, and so does a body that lies off the plane in which the finger moves. Such a
+/// fit has another link than the one that is known, and is rejected by it.
 RoundGap PlaneProjection::round_gap(const PlaneSet& planes, int i) const noexcept {
   const int first = first_[static_cast<std::size_t>(i)];
   const int n = n_curved_[static_cast<std::size_t>(i)];
@@ -62,9 +64,9 @@ RoundGap PlaneProjection::round_gap(const PlaneSet& planes, int i) const noexcep
   return fits ? gap : RoundGap{};
 }
 
-/// Of a round body what it is at z_. Else: a gap of a body of constant curvature 1/R that a point
-/// meets has the third derivative 3 z_n z_t^2 / R^2 along z; planar joints add 3 of the gradient
-/// and of H per angle. What a contact without curvature says is taken as flat.
+/// For a round body: the remainder at z_ itself. For other bodies a bound: if a point meets a body
+/// of constant curvature 1/R, the third derivative of the gap along z is 3 z_n z_t^2 / R^2; planar
+/// joints add 3 of the gradient and of H per angle. A contact without curvature is taken as flat.
 PlaneProjection::Remainder PlaneProjection::remainder(int i, LastTurn* last) const noexcept {
   const int first = first_[static_cast<std::size_t>(i)];
   const int n = n_curved_[static_cast<std::size_t>(i)];

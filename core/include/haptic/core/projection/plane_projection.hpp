@@ -157,12 +157,13 @@ class PlaneProjection {
   /// Parts of error(): how far x may be off, and then each contact. `left`: of curved contacts.
   /// False: nothing follows from gaps that are told whole (`whole`) so far off.
   bool proxy_error(double age_error, bool whole, Remainder* left, ProxyError& out) const noexcept;
-  /// Of contact i: `slope` of its force, `share` of the force of others, m or rad in ||.||_W; how
-  /// far its gap may be off, and how far from it x is. Written as far as `count_` only: clearing
-  /// the four costs as much as all the rest.
+  /// What a sample leaves open, per contact i, in ||.||_W: how far x is off because its stiffness
+  /// is uncertain (`slope`) and because other contacts may carry its force (`share`); how far its
+  /// gap may be off (`gap`), and how far x is from touching it (`room`). Only the first `count_`
+  /// entries are written: clearing the four arrays costs as much as all the rest.
   struct Open {
     double slope[kMaxPlanes], share[kMaxPlanes], gap[kMaxPlanes], room[kMaxPlanes];
-    double bent{0.0};  ///< by how much forces turn x along, at most
+    double bent{0.0};  ///< sum of l_i ||H_i||: the share of E that curvature adds, at most
     int involved{0};   ///< contacts that may push x elsewhere
     int only{-1};      ///< the last of them
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)

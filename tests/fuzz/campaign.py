@@ -4,10 +4,11 @@
     campaign.py PROGRAM CORPUS RECORD.csv EXECUTIONS [MAX_LEN [DICTIONARY]]
 
 DICTIONARY has words for libFuzzer to insert. RECORD.csv has a line per slice: executions and
-seconds of processor time so far, covered edges, features, files of the corpus. A run that was ended goes on after its last line; a run that has its
-executions does nothing but report. The report, on standard output, says also what the last tenth of
-the executions found that was new. Exit status 1 at a finding, whose input is in CORPUS as crash-*
-or timeout-*, and 3 if the last tenth still found new edges."""
+seconds of processor time so far, covered edges, features, files of the corpus. A run that was ended
+goes on after its last line; a run that has its executions does nothing but report. The report, on
+standard output, says also what the last tenth of the executions found that was new. Exit status 1
+at a finding, whose input is in CORPUS as crash-* or timeout-*, and 3 if the last tenth still found
+new edges."""
 
 import csv
 import os

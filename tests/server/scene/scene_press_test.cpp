@@ -114,7 +114,8 @@ double rested_force(const server::DeviceScene& device) {
   SceneRun run(device);
   const auto pull = [&](const VecA& force) {
     VecQ q = rest;
-    for (int i = 0; i < layout.n_a(); ++i) q[layout.actuated(i)] += force[i] / settings.stiffness[i];
+    for (int i = 0; i < layout.n_a(); ++i)
+      q[layout.actuated(i)] += force[i] / settings.stiffness[i];
     run.hold(q);
   };
   const VecA begin = 0.9 * settings.engage_window, end = 0.4 * settings.force_limit;
@@ -132,7 +133,7 @@ double rested_force(const server::DeviceScene& device) {
 
 /// Why a tank begins with what the engage window stores: with less, a proxy that moves by itself
 /// loses force.
-TEST(SceneRest, TheWindowsEnergyCarriesAMovedProxy) {
+TEST(SceneRest, WindowsEnergyCarriesAMovedProxy) {
   for (const char* name : {"linear_one_dof", "linear_underactuated", "stylus_three_of_six",
                            "chain_pick_arm", "chain_redundant"}) {
     SCOPED_TRACE(name);

@@ -10,8 +10,6 @@ std::string_view name(ClientKind kind) noexcept {
       return "held_force";
     case ClientKind::kHeld:
       return "held";
-    case ClientKind::kFlag:
-      return "flag";
     case ClientKind::kExtrapolated:
       return "extrapolated";
     case ClientKind::kPlanes:
@@ -31,7 +29,7 @@ test::ClientSettings client_of(ClientKind kind, const Network& network, const co
   client.jitter = network.rate_hz < kEveryTick_hz ? 0.3 : 0.0;
   const bool planes = kind == ClientKind::kPlanes || kind == ClientKind::kDerivedPlanes;
   client.mode = planes ? core::ProxyMode::kPlanes : core::ProxyMode::kHeld;
-  client.only_in_contact = kind == ClientKind::kFlag || kind == ClientKind::kDerivedPlanes;
+  client.only_in_contact = kind == ClientKind::kDerivedPlanes;
   if (kind == ClientKind::kHeldForce) client.between = test::held_deviation();
   if (kind == ClientKind::kExtrapolated) client.between = test::extrapolated();
   return client;

@@ -11,19 +11,19 @@ namespace haptic::report {
 enum class ClientKind {
   kHeldForce,      ///< not offered: the deviation stays, and with it the force
   kHeld,           ///< x stays
-  kFlag,           ///< held in contact, free mode else
   kExtrapolated,   ///< not offered: x goes on at the rate of the last two samples
   kPlanes,         ///< every stop as a plane in every sample
   kDerivedPlanes,  ///< a plane only while the simulation sees contact (client library)
 };
 
-inline constexpr std::array<ClientKind, 6> kClientKinds{
-    ClientKind::kHeldForce,    ClientKind::kHeld,   ClientKind::kFlag,
-    ClientKind::kExtrapolated, ClientKind::kPlanes, ClientKind::kDerivedPlanes};
+inline constexpr std::array<ClientKind, 5> kClientKinds{
+    ClientKind::kHeldForce, ClientKind::kHeld, ClientKind::kExtrapolated, ClientKind::kPlanes,
+    ClientKind::kDerivedPlanes};
 
-/// Those that hapticd and its client library offer.
-inline constexpr std::array<ClientKind, 4> kOfferedClients{
-    ClientKind::kHeld, ClientKind::kFlag, ClientKind::kPlanes, ClientKind::kDerivedPlanes};
+/// Those that hapticd and its client library offer. (Free mode out of contact, held in it, is felt
+/// as a held proxy, which goes on with the probe where it was free.)
+inline constexpr std::array<ClientKind, 3> kOfferedClients{ClientKind::kHeld, ClientKind::kPlanes,
+                                                           ClientKind::kDerivedPlanes};
 
 /// As on the command line and in the tables.
 [[nodiscard]] std::string_view name(ClientKind kind) noexcept;

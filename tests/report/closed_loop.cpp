@@ -45,10 +45,10 @@ bool chosen(const std::string& option, std::string_view name) {
 
 std::vector<Sending> sendings(const Options& options) {
   std::vector<Sending> all{
-      {ClientKind::kHeld, {1000, 0.0}},   {ClientKind::kHeld, {60, 0.0}},
-      {ClientKind::kHeld, {60, 0.020}},   {ClientKind::kHeld, {200, 0.020}},
-      {ClientKind::kHeld, {30, 0.050}},   {ClientKind::kFlag, {60, 0.020}},
-      {ClientKind::kPlanes, {60, 0.020}}, {ClientKind::kDerivedPlanes, {60, 0.020}},
+      {ClientKind::kHeld, {1000, 0.0}},          {ClientKind::kHeld, {60, 0.0}},
+      {ClientKind::kHeld, {60, 0.020}},          {ClientKind::kHeld, {200, 0.020}},
+      {ClientKind::kHeld, {30, 0.050}},          {ClientKind::kPlanes, {60, 0.020}},
+      {ClientKind::kDerivedPlanes, {60, 0.020}},
   };
   if (options.rate || options.delay) {
     all.clear();
@@ -225,7 +225,7 @@ void add_closed_loop(CLI::App& app) {
           {"standard", "null_space", "subspace_linear", "subspace_exact", "q_metric"}));
   command->add_option("--proxy", o->proxy, "this kind of client alone")
       ->check(CLI::IsMember(
-          {"held_force", "held", "flag", "extrapolated", "planes", "derived_planes", "q_metric"}));
+          {"held_force", "held", "extrapolated", "planes", "derived_planes", "q_metric"}));
   command->add_option("--rate", o->rate, "of the client, Hz (a choice)")
       ->check(CLI::Range(30.0, 1000.0));
   command->add_option("--delay", o->delay, "ms, 0 to 100 (a choice)")

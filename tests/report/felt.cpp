@@ -227,7 +227,7 @@ void add_felt(CLI::App& app) {
       ->check(CLI::Range(2, 100000));
   command->add_option("--method", o->method, "this renderer alone");
   command->add_option("--proxy", o->proxy, "this kind of client alone")
-      ->check(CLI::IsMember({"held", "flag", "planes", "derived_planes"}));
+      ->check(CLI::IsMember({"held", "planes", "derived_planes"}));
   command->add_option("--rate", o->rate, "of the client, Hz (a choice)")
       ->check(CLI::Range(30.0, 1000.0));
   command->add_option("--delay", o->delay, "ms, 0 to 100 (a choice)")

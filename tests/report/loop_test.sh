@@ -77,7 +77,7 @@ within 54 0 --motion cycle --with guard_tank --rate 1000
 within 56 0 --motion hand --with guard_tank --rate 60 --delay 20
 within 26 0 --motion hand --with guard_tank --rate 30 --delay 100 --proxy held
 within 28 0 --motion hand --with envelope_tank --rate 60 --delay 20 --proxy derived_planes
-within 28 0 --motion hand --with guard_tank --rate 200 --delay 50 --proxy flag
+within 28 0 --motion hand --with guard_tank --rate 200 --delay 50 --proxy held
 within 28 2 --motion hand --with guard_tank --rate 60 --delay 20 --proxy held
 
 # A plain press is not throttled with any method, 0..100 ms late; and it is felt with (8) and (6).
@@ -132,8 +132,8 @@ near "drag of an extrapolated proxy, 60 Hz, 20 ms" 0.75 2 \
     --with nothing)"
 every "planes" 24 'drag_n == 0 && verdict == "ok" && peak_force_n > 3' rate --cycles --proxy \
   planes --rate 60
-every "the tank" 72 'net_mj <= 1e-6' rate --cycles --rate 60 --with tank
-every "without it" 1 'verdict != "ok"' rate --cycles --rate 60 --delay 20 --proxy flag --stiffness \
+every "the tank" 60 'net_mj <= 1e-6' rate --cycles --rate 60 --with tank
+every "without it" 1 'verdict != "ok"' rate --cycles --rate 60 --delay 20 --proxy held --stiffness \
   500 \
   --with nothing
 

@@ -92,8 +92,7 @@ constexpr const char* kFooter =
     "One DoF as in core/METHOD.md#local-models: 0.15 kg, 1 N s/m; the hand 300 N/m, 2 N s/m; "
     "jitter 30 % of the "
     "client's period, none at 1 kHz.\n"
-    "Clients: held_force - the force is held; held - the proxy is; flag - held in contact, free "
-    "else; "
+    "Clients: held_force - the force is held; held - the proxy is; "
     "extrapolated - the proxy goes on for one period; planes - the wall as a plane in every "
     "sample; "
     "derived_planes - the plane only while the simulation sees contact. held_force and "
@@ -114,8 +113,7 @@ void add_rate(CLI::App& app) {
   command->footer(kFooter);
   auto o = std::make_shared<Options>();
   command->add_option("--proxy", o->proxy, "this kind of client alone")
-      ->check(CLI::IsMember(
-          {"held_force", "held", "flag", "extrapolated", "planes", "derived_planes"}));
+      ->check(CLI::IsMember({"held_force", "held", "extrapolated", "planes", "derived_planes"}));
   command->add_option("--rate", o->rate, "of the client, Hz (30,60,120,200,1000)")
       ->check(CLI::Range(30.0, 1000.0));
   command->add_option("--delay", o->delay, "ms (0,5,10,20,50,100)")->check(CLI::Range(0.0, 100.0));

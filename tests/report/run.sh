@@ -266,16 +266,13 @@ rate_table() {
   awk -F, -v OFS=, -v column="$1" 'NR > 1 && ($3 == 0 || $3 == 20 || $3 == 100) { key = $2 OFS $3
       if (!(key in seen)) { seen[key] = 1; order[++n] = key }
       k[key, $1, $4] = int($column + 0.5) }
-    END { print "rate_hz", "delay_ms", "held_force", "held", "extrapolated", "flag", "planes",
-      "derived_planes",
-            "held_with_tank", "flag_with_tank", "planes_with_tank", "derived_with_tank"
+    END { print "rate_hz", "delay_ms", "held_force", "held", "extrapolated", "planes",
+            "derived_planes", "held_with_tank", "planes_with_tank", "derived_with_tank"
           for (i = 1; i <= n; i++) { key = order[i]
-            print key, k[key, "held_force", "nothing"], k[key, "held", "nothing"], k[key,
-              "extrapolated", "nothing"],
-              k[key, "flag", "nothing"], k[key, "planes", "nothing"], k[key, "derived_planes",
-                "nothing"], k[key, "held", "tank"],
-              k[key, "flag", "tank"], k[key, "planes", "tank"], k[key, "derived_planes",
-                "tank"] } }' \
+            print key, k[key, "held_force", "nothing"], k[key, "held", "nothing"],
+              k[key, "extrapolated", "nothing"], k[key, "planes", "nothing"],
+              k[key, "derived_planes", "nothing"], k[key, "held", "tank"],
+              k[key, "planes", "tank"], k[key, "derived_planes", "tank"] } }' \
     "$output/rate.csv" >"$output/rate_$2.csv"
 }
 make_closed_loop() {

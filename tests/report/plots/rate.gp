@@ -1,17 +1,17 @@
 # A wall behind a slow or late client. csv: haptic-report rate; cycles: haptic-report rate --cycles.
 load "style.gp"
 
-kinds = "held_force held flag extrapolated planes derived_planes"
-kind_hues = "#8a8f98 #1f6fb4 #c8283c #d9660a #2a9d5c #8e5bb5"
+kinds = "held_force held extrapolated planes derived_planes"
+kind_hues = "#8a8f98 #1f6fb4 #d9660a #2a9d5c #8e5bb5"
 kind_names = \
-  "'held force (not offered)' 'held proxy' 'held in contact, else free' " \
+  "'held force (not offered)' 'held proxy' " \
   . "'extrapolated (not offered)' 'planes' 'planes in contact alone'"
 rates = "30 60 200 1000"
 at(i, r, w, v) = strcol("proxy") eq word(kinds, i) && column("rate_hz") == word(rates, r) + 0 \
   && strcol("with") eq w ? v : NaN
 foot_of(i) = sprintf("set label %d '━━ %s' at screen %f, screen 0.03 textcolor rgb '%s'; ", \
   30 + i, \
-  word(kind_names, i), 0.04 + (i - 1) * 0.16, word(kind_hues, i))
+  word(kind_names, i), 0.04 + (i - 1) * 0.19, word(kind_hues, i))
 # Lines break at rows that are left out: those of the other stiffness are taken out before.
 at500 = "< awk -F, 'NR == 1 || $5 == 500' '".cycles."'"
 
@@ -20,7 +20,7 @@ do for [kind in "svg png"] {
   set multiplot layout 4,4 rowsfirst title \
     "A wall behind a slow or late client: full, nothing; dashed, with the tank" \
     margins screen 0.06, screen 0.985, screen 0.09, screen 0.93 spacing screen 0.035, screen 0.055
-  do for [i = 1:6] { eval foot_of(i) }
+  do for [i = 1:5] { eval foot_of(i) }
   set xrange [-3:103]
   do for [row = 1:4] {
     do for [r = 1:4] {
@@ -37,10 +37,10 @@ do for [kind in "svg png"] {
       column_of = row == 1 ? "k_max_press_n_per_m" : row == 2 ? "k_max_cycles_n_per_m" : row == 3 \
         ? "drag_n" : "net_mj"
       file = row <= 2 ? csv : at500
-      plot for [i = 1:6] for [w in "nothing tank"] file using \
+      plot for [i = 1:5] for [w in "nothing tank"] file using \
         "delay_ms":(at(i, r, w, column(column_of))) \
         with linespoints lc rgb word(kind_hues, i) lw 2 pt 7 ps 0.5 dashtype dashed(w eq "tank")
-      do for [i = 31:36] { unset label i }
+      do for [i = 31:35] { unset label i }
     }
   }
   unset multiplot

@@ -103,9 +103,7 @@ void RemoteClient::write_planes(const Frame& frame, core::PlaneSet& planes) cons
 
 void RemoteClient::deliver(const Frame& frame, core::TimePoint now,
                            core::ProxySnapshot& proxy) const {
-  const bool free =
-      settings_.mode == core::ProxyMode::kHeld && settings_.only_in_contact && !frame.contact;
-  proxy.mode = free ? core::ProxyMode::kFree : settings_.mode;
+  proxy.mode = settings_.mode;
   proxy.x = frame.x;
   proxy.seq = frame.seq;
   if (settings_.mode == core::ProxyMode::kPlanes) write_planes(frame, proxy.planes);

@@ -46,9 +46,8 @@ using LocalLaw = std::function<core::VecX(const Between&)>;
 
 struct ClientSettings {
   core::ProxyMode mode{core::ProxyMode::kHeld};  ///< held or planes
-  /// Held: free mode while nothing is in the way (a bare contact flag). Planes: those of the stops
-  /// in contact alone, and of walls the one that the client library derives for a whole finger;
-  /// else all of them, always.
+  /// The planes of the stops in contact alone, and of walls the one that the client library derives
+  /// for a whole finger; else all of them, always.
   bool only_in_contact{false};
   core::VecX stop{};  ///< n_x, x_i <= stop_i; infinity: none
   /// > 0: the stops give way, gamma of each; planes mode tells it, as contacts that are anchored.

@@ -3,7 +3,11 @@
 #include <grpcpp/grpcpp.h>
 
 #include <functional>
+#include <memory>
+#include <string>
 
+#include "haptic/client/state.hpp"
+#include "haptic/client/types.hpp"
 #include "haptic/client/watch.hpp"
 
 namespace haptic::client {

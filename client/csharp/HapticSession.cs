@@ -96,6 +96,7 @@ public sealed class HapticSession : IDisposable {
   bool leaving_;
   int silent_;  // spans of Silence since the last message; by Interlocked
   int wish_;  // rises with everything that ends EngageWhenReady()
+  Task engaging_ = Task.CompletedTask;  // its newest call
 
   public HapticSession(SessionOptions options) {
     options_ = options ?? throw new ArgumentNullException(nameof(options));
@@ -144,8 +145,12 @@ public sealed class HapticSession : IDisposable {
   }
   /// Gives force up; it fades out.
   public Task Release() {
-    lock (lock_) ++wish_;
-    return Seen(Task.Run(() => CallForSession("Release")));
+    Task engaging;
+    lock (lock_) (wish_, engaging) = (wish_ + 1, engaging_);
+    return Seen(Task.Run(async () => {
+      await Task.WhenAny(engaging).ConfigureAwait(false);  // it must not overtake the Release
+      await CallForSession("Release").ConfigureAwait(false);
+    }));
   }
   /// Zero force now, latched as a fault, of the session's device, or of all of them if the options
   /// name none. Needs no open session.
@@ -154,7 +159,8 @@ public sealed class HapticSession : IDisposable {
     byte[] stop = new Message().Text(1, options_.Device).Text(2, reason ?? "").Bytes();
     return Seen(Task.Run(() => Call("EmergencyStop", stop)));
   }
-  /// Returns at once; the farewell goes out in the background, within 500 ms.
+  /// Returns at once; the farewell goes out in the background, within 500 ms: a program that ends
+  /// waits for Ended.
   public void Dispose() {
     lock (lock_) {
       if (leaving_) return;
@@ -320,14 +326,16 @@ public sealed class HapticSession : IDisposable {
 
   async Task EngageUntil(int wish) {
     for (;;) {
+      Task engaging;
       lock (lock_) {
         if (wish != wish_) throw new HapticException("", "force is not asked for any more");
         if (newest_ != null && newest_.State == Lifecycle.Fault) {
           throw new HapticException("FAULT", "the device is in FAULT");
         }
+        engaging_ = engaging = Task.Run(() => CallForSession("Engage"));
       }
       try {
-        await CallForSession("Engage").ConfigureAwait(false);
+        await engaging.ConfigureAwait(false);
         EngageRefusal = "";
         return;
       } catch (HapticException why) {

@@ -16,7 +16,7 @@ from ._round_trip import RoundTrip
 from ._sample import to_sample, with_deepest
 from ._state import DeviceState
 from ._types import Carriers, Event, Pose, Proxy, SampleCounts, Settings
-from ._udp import UdpCarrier
+from ._udp import UdpCarrier, open_udp
 from .v1 import haptic_service_pb2 as service
 from .v1 import session_pb2 as wire
 
@@ -53,6 +53,8 @@ class Session:
         self._ended: ClientError | None = None
         self._closing = False
         self._udp: UdpCarrier | None = None
+        self._wish: object = None  # of the newest engage_when_ready(), until release()
+        self._engaging = threading.Lock()  # held while engage_when_ready() asks
         opening = wire.OpenSession(
             device=service_device, client_name=client_name, nominal_rate_hz=nominal_rate_hz,
             state_rate_hz=state_rate_hz,
@@ -67,7 +69,8 @@ class Session:
                                 if device.name == self._opened.device), ())
             self._deadband = Deadband(self._kinds, deadband, self._period_s,
                                       self._opened.fresh_end.ToNanoseconds() * 1e-9)
-            self._udp = self._open_udp(address)
+            self._udp = open_udp(self._opened, address, self._period_s, self._on_udp_state,
+                                 self._on_udp_late)
         except BaseException:  # the caller gets no session to close: give the lease back now
             self._stop()
             self._call.cancel()
@@ -159,23 +162,29 @@ class Session:
 
     def engage_when_ready(self) -> None:
         """Asks for force in the background, every 50 ms, until the server agrees, the device is in
-        FAULT, or the session ends. publish() and wait_for_state() raise a refusal that time cannot
-        cure."""
-        threading.Thread(target=self._engage_when_ready, name="haptic engage", daemon=True).start()
+        FAULT, or release() or the session's end. publish() and wait_for_state() raise a refusal
+        that time cannot cure."""
+        wish = self._wish = object()
+        threading.Thread(target=self._engage_when_ready, args=(wish,), name="haptic engage",
+                         daemon=True).start()
 
-    def _engage_when_ready(self) -> None:
+    def _engage_when_ready(self, wish: object) -> None:
         while not self._closing and self._ended is None:
             try:
-                return self.engage()
+                with self._engaging:
+                    return self.engage() if wish is self._wish else None
             except ClientError as error:
                 state = self._state
                 fault = state is not None and state.state == "FAULT"
                 if error.reason not in PASSING or fault:
-                    return self._end(error)
+                    return self._end(error) if wish is self._wish else None
             time.sleep(_ENGAGE_EVERY_S)
 
     def release(self) -> None:
-        """Gives force up; it fades out."""
+        """Gives force up; it fades out. Ends engage_when_ready()."""
+        self._wish = None
+        with self._engaging:  # an Engage on its way must not overtake the Release
+            pass
         ask(self._stub.Release, service.ReleaseRequest(session_id=self._opened.session_id))
 
     def update_settings(self, *, stiffness: Sequence[float] = (), damping: Sequence[float] = (),
@@ -252,16 +261,6 @@ class Session:
             raise to_error(error) from None
         except StopIteration:
             raise ClientError("CLOSED", "the server ended the stream") from None
-
-    def _open_udp(self, address: str) -> UdpCarrier | None:
-        """None if the server offers none or cannot be reached: the stream carries all then."""
-        if not self._opened.HasField("udp"):
-            return None
-        try:
-            return UdpCarrier(self._opened.udp, address, self._period_s, self._on_udp_state,
-                              self._on_udp_late)
-        except OSError:
-            return None
 
     def _read(self) -> None:
         ended = ClientError("CLOSED", "the server ended the session")

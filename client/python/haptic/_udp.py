@@ -168,6 +168,16 @@ class UdpCarrier:
         self._send(Type.PATH_RESPONSE, response.ljust(len(challenge), b"\0"), keys)
 
 
+def open_udp(opened: wire.SessionOpened, address: str, period_s: float,
+             on_state: Callable[[bytes], None], on_late: Callable[[], None]) -> UdpCarrier | None:
+    """None if the server offers none or cannot be reached: the stream carries all then."""
+    try:
+        return UdpCarrier(opened.udp, address, period_s, on_state, on_late) \
+            if opened.HasField("udp") else None
+    except OSError:
+        return None
+
+
 def _keys_of(offer: wire.UdpPath) -> Keys:
     return Keys.of(offer.path_id, offer.up_key, offer.up_salt, offer.down_key, offer.down_salt)
 

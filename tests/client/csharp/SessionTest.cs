@@ -4,6 +4,7 @@
 //   SessionTest.exe all SERVER TOKEN
 //   SessionTest.exe refused SERVER TOKEN SECONDS    SECONDS: to wait for an answer
 //   SessionTest.exe deserted SERVER TOKEN SECONDS   opens; nothing that follows is of use
+//   SessionTest.exe released SERVER TOKEN           gives force up while it asks for it
 using System;
 using System.Diagnostics;
 using System.Linq;
@@ -52,6 +53,12 @@ static class SessionTest {
         Check(session.Ended.Wait(60000), "the session ended");
         Console.WriteLine(session.Failure.Message);
         Console.WriteLine(session.State == null ? "" : string.Join(" ", session.State.XProbe));
+      } else if (arguments[0] == "released") {
+        HapticSession session = Open(arguments[1], arguments[2], "released");
+        Check(session.Opened.Wait(60000), "it is open");
+        session.EngageWhenReady();
+        Thread.Sleep(200);  // it is on its way
+        Console.WriteLine(Refusal(session.Release()).Message);
       } else {
         All(arguments[1], arguments[2]);
       }

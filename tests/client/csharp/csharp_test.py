@@ -91,7 +91,9 @@ class Hostile(unittest.TestCase):
     its own; it gives every call the same answer."""
 
     def peer(self, *frames: bytes, answer: bytes | None = None, endless: bytes = b"",
-             call: bytes = b"HTTP/1.1 404 None\r\nContent-Length: 0\r\n\r\n") -> str:
+             call: bytes = b"HTTP/1.1 404 None\r\nConnection: close\r\nContent-Length: 0\r\n\r\n",
+             call_s: float = 0.0) -> str:
+        self.calls: list[bytes] = []  # as they come, and as they are answered
         listener = socket.create_server(("127.0.0.1", 0))
         self.addCleanup(listener.close)
 
@@ -101,6 +103,10 @@ class Hostile(unittest.TestCase):
                 while b"\r\n\r\n" not in head:
                     head += client.recv(4096)
                 if head.startswith(b"POST"):
+                    method = head.split(b" ")[1].rpartition(b"/")[2]
+                    self.calls.append(method + b"?")
+                    time.sleep(call_s)
+                    self.calls.append(method + b".")
                     client.sendall(call)
                 else:
                     client.sendall(web_socket(head) if answer is None else answer)
@@ -196,6 +202,14 @@ class Hostile(unittest.TestCase):
                 self.assertRegex("\n".join(refusal), why)
                 self.assertRegex(failure, "fell silent")
                 self.assertEqual(x_probe, "NaN -Infinity")
+
+    def test_a_release_does_not_overtake(self) -> None:
+        peer = self.peer(b"\x82\x05\x0a\x03\x4a\x01s", call_s=1.0)
+        done = run("SessionTest.exe", "released", peer, TOKEN)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        # A mono that got no processor for 200 ms has not asked yet, and then it never does.
+        engage = [] if self.calls[0] == b"Release?" else [b"Engage?", b"Engage."]
+        self.assertEqual(self.calls, [*engage, b"Release?", b"Release."])
 
     def test_answers_without_end(self) -> None:
         peer = self.peer(b"\x82\x05\x0a\x03\x4a\x01s",

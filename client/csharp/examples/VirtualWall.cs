@@ -25,7 +25,10 @@ static class VirtualWall {
       if (session.Failure != null) Console.Error.WriteLine(session.Failure.Message);
       if (session.State == null) return 1;
       Console.WriteLine(session.State.State + " " + session.State.TauA[0]);
-      return session.Failure == null ? 0 : 1;
+      int status = session.Failure == null ? 0 : 1;
+      session.Dispose();
+      session.Ended.Wait();  // the end of the program would cut the farewell off
+      return status;
     }
   }
 }

@@ -38,8 +38,9 @@ def reasons_until(session: haptic.Session, last: str) -> list[str]:
 
 
 class Hapticd:
-    def __init__(self, scene: str, *, udp: bool = False, lease_s: int = 2,
+    def __init__(self, scene: str, *, udp: bool = False, lease_s: int = 2, patient: bool = True,
                  settings: Sequence[str] = ()) -> None:
+        """`patient`: force survives a pause of a second of its client."""
         self._folder = tempfile.TemporaryDirectory()
         self.address = "unix:" + os.path.join(self._folder.name, "socket")
         arguments = [os.environ["HAPTICD"], "--scene",
@@ -49,6 +50,9 @@ class Hapticd:
                      "--set", "loop.late_bucket_full=1000000",
                      "--set", "loop.loop_late_fault={seconds: 10}",
                      "--set", f"server.lease_timeout={{seconds: {lease_s}}}"]
+        if patient:
+            arguments += ["--set", "device[0].staleness={hold_end {seconds: 1} "
+                                   "fade_end {seconds: 1 nanos: 500000000}}"]
         if udp:
             arguments += ["--set", "server.udp_listen=127.0.0.1:0"]
         for setting in settings:
@@ -76,11 +80,12 @@ class OneServer(unittest.TestCase):
     scene = "finger_constant"
     udp = False
     lease_s = 2
+    patient = True
     settings: tuple[str, ...] = ()
 
     def setUp(self) -> None:
         self.server = Hapticd(self.scene, udp=self.udp, lease_s=self.lease_s,
-                              settings=self.settings)
+                              patient=self.patient, settings=self.settings)
         self.addCleanup(self.server.stop)
         self.connection = haptic.Connection(self.server.address)
         self.addCleanup(self.connection.close)

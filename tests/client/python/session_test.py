@@ -1,9 +1,11 @@
 """The client against a running hapticd."""
 
 import os
+import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 import unittest
 from unittest import mock
@@ -71,6 +73,26 @@ class Force(OneServer):
         session.release()
         self.hold(session, lambda s: s.state == "ARMED" and s.gain == 0.0)
         self.assertIn("ENGAGING -> ENGAGED", reasons_until(session, "RELEASING -> ARMED"))
+
+    def test_release_ends_the_asking(self) -> None:
+        session = self.open()
+        session.engage_when_ready()  # there are no samples yet, so it waits
+        session.release()
+        self.hold(session, lambda s: s.proxy_seq_used > 50,
+                  lambda: self.assertIn(session.state.state if session.state else "ARMED",
+                                        {"IDLE", "ARMED"}))
+        asked, asks = [], threading.Event()
+
+        def engage() -> None:
+            asks.set()
+            time.sleep(0.2)
+            asked.append(session)
+
+        with mock.patch.object(session, "engage", engage):
+            session.engage_when_ready()
+            self.assertTrue(asks.wait(20))
+            session.release()
+        self.assertEqual(asked, [session])  # the Release went after the Engage
 
     def test_silence_ends_it_with_an_event(self) -> None:
         session = self.open()
@@ -222,15 +244,6 @@ class Udp(OneServer):
         self.assertEqual(state.gain, 1.0)
         reasons_until(session, "SAMPLES GRPC -> UDP")
 
-    def test_a_silent_path_loses_no_force(self) -> None:
-        session = self.open()
-        session.engage_when_ready()
-        self.hold(session, lambda s: s.state == "ENGAGED" and s.transport == "UDP")
-        session._udp._socket.connect(("127.0.0.1", 9))  # where nobody answers
-        state = self.hold(session, lambda s: s.transport == "GRPC")
-        self.assertFalse(any(e.kind == "LOST" for e in session.events()))
-        self.assertEqual(state.state, "ENGAGED")
-
     def test_without_a_route_the_stream_carries(self) -> None:
         with mock.patch("haptic._udp.connect", side_effect=OSError("no route")):
             session = self.open()
@@ -254,12 +267,26 @@ class Udp(OneServer):
         self.assertFalse(session.udp_in_use)
 
 
+class UdpThatFallsSilent(OneServer):
+    udp = True
+    patient = False
+
+    def test_a_silent_path_loses_no_force(self) -> None:
+        session = self.open()
+        session.engage_when_ready()
+        self.hold(session, lambda s: s.state == "ENGAGED" and s.transport == "UDP")
+        session._udp._socket.connect(("127.0.0.1", 9))  # where nobody answers
+        state = self.hold(session, lambda s: s.transport == "GRPC")
+        self.assertFalse(any(e.kind == "LOST" for e in session.events()))
+        self.assertEqual(state.state, "ENGAGED")
+
+
 class UdpThatFails(OneServer):
     udp = True
     lease_s = 60  # a session that is not closed keeps the device that long
 
     def test_an_error_gives_the_lease_back(self) -> None:
-        with mock.patch("haptic._session.UdpCarrier", side_effect=ValueError("not a key")):
+        with mock.patch("haptic._udp.UdpCarrier", side_effect=ValueError("not a key")):
             with self.assertRaises(ValueError):
                 self.connection.session(client_name="unlucky", nominal_rate_hz=60)
         self.assertTrue(eventually(lambda: self.connection.devices()[0].controller == ""))
@@ -294,8 +321,21 @@ class Examples(unittest.TestCase):
         self.assertLess(0.0, p50)
         self.assertLessEqual(p50, p99)
 
-    def test_the_grasp_is_felt(self) -> None:
-        output = self.run_example("soft_grasp.py", "finger_soft_grasp", 8)
+    def test_the_grasp_is_felt_after_a_pause_too(self) -> None:
+        server = Hapticd("finger_soft_grasp", patient=False)
+        self.addCleanup(server.stop)
+        client = subprocess.Popen(
+            [sys.executable, os.path.join(EXAMPLES, "soft_grasp.py"), "--server", server.address,
+             "--seconds", "8"], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(client.wait)
+        self.addCleanup(client.kill)
+        with haptic.Connection(server.address) as connection:
+            events = (e for e in connection.watch() if isinstance(e, haptic.Event))
+            next(e for e in events if e.reason == "ARMED -> ENGAGING")
+            client.send_signal(signal.SIGSTOP)
+            next(e for e in events if e.kind == "LOST")
+            client.send_signal(signal.SIGCONT)
+        output, _ = client.communicate(timeout=60)
         self.assertIn("touching", output)
         self.assertIn("free", output)
         peak = float(output.split("largest elastic force ")[1].split(" ")[0])

@@ -89,7 +89,7 @@ test("the page of a hapticd", async (t) => {
     await page.click("#other-key");
     await page.fill("#token", "operator-token-of-a-test");
     await page.keyboard.press("Enter");
-    await says(page, "#token-said", /^$/);
+    await says(page, "#action-said", /^$/);  // the refusal goes when the page has the new key
     await page.click("#release");
     await says(page, "#action-said", /^Force released/);
     await says(page, "#gain-value", /^0 %$/);

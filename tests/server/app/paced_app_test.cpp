@@ -71,7 +71,8 @@ haptic::server::Scene paced(const BoardThread& board) {
   haptic::server::Scene scene = haptic::server::load_scene(
       std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/finger_board.textproto",
       {"device[0].board.port=" + board.port(), "loop.paced_by=finger",
-       "server.listen[0]=127.0.0.1:0", "loop.late_bucket_full=1000000"});
+       "device[0].board.max_silence={nanos: 100000000}", "server.listen[0]=127.0.0.1:0",
+       "loop.late_bucket_full=1000000"});
   scene.server.metrics_listen = "127.0.0.1:0";
   return scene;
 }

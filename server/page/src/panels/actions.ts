@@ -4,6 +4,7 @@ import { at, say } from "../dom";
 import { Lifecycle, type Device, type DeviceState } from "../model";
 import { SourceError, type Source } from "../source";
 
+const ASKING = "Asking what this page may do …";
 const ONLY_LOOKS = "This page's key allows looking and stopping only.";
 
 /** A button with the sentence below it. */
@@ -37,10 +38,14 @@ export class Actions {
     );
   }
 
-  /** Null: not known yet. */
+  /** Null: not known yet, so that nothing is possible. */
   rights(mayControl: boolean | null): void {
     this.mayControl = mayControl;
     offerKey(mayControl === false);
+    if (mayControl !== null) return;
+    say(this.said, "");
+    this.clear.set(false, ASKING);
+    this.release.set(false, ASKING);
   }
 
   show(device: Device): void {
@@ -50,7 +55,7 @@ export class Actions {
 
   state(device: Device, state: DeviceState): void {
     const allowed = this.mayControl === true;
-    const refusal = this.mayControl === false ? ONLY_LOOKS : "Asking what this page may do …";
+    const refusal = this.mayControl === false ? ONLY_LOOKS : ASKING;
     const fault = state.faults !== 0;
     this.clear.set(
       fault && allowed,

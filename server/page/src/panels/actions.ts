@@ -48,9 +48,10 @@ export class Actions {
     this.release.set(false, ASKING);
   }
 
+  /** The same device again, after its stream was lost, changes nothing. */
   show(device: Device): void {
+    if (device.name !== this.device) say(this.said, "");
     this.device = device.name;
-    say(this.said, "");
   }
 
   state(device: Device, state: DeviceState): void {

@@ -72,7 +72,7 @@ haptic::server::Scene paced(const BoardThread& board) {
       std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/finger_board.textproto",
       {"device[0].board.port=" + board.port(), "loop.paced_by=finger",
        "device[0].board.max_silence={nanos: 100000000}", "server.listen[0]=127.0.0.1:0",
-       "loop.late_bucket_full=1000000"});
+       "loop.late_bucket_full=1000000", "loop.loop_late_fault={seconds: 10}"});
   scene.server.metrics_listen = "127.0.0.1:0";
   return scene;
 }

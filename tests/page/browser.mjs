@@ -54,11 +54,12 @@ export async function eventually(page, condition, argument) {
 /** Waits until the element's text matches. */
 export async function says(page, selector, pattern) {
   const latest = Date.now() + PATIENCE_MS;
-  for (let text = ""; !pattern.test(text);) {
+  for (;;) {
+    const text = await page.evaluate(
+      (where) => document.querySelector(where)?.textContent ?? "", selector);
+    if (pattern.test(text)) return;
     if (Date.now() > latest) throw new Error(`${selector} says '${text}', not ${pattern}`);
     await sleep(50);
-    text = await page.evaluate(
-      (where) => document.querySelector(where)?.textContent ?? "", selector);
   }
 }
 

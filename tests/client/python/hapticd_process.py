@@ -80,12 +80,11 @@ class OneServer(unittest.TestCase):
     scene = "finger_constant"
     udp = False
     lease_s = 2
-    patient = True
     settings: tuple[str, ...] = ()
 
     def setUp(self) -> None:
         self.server = Hapticd(self.scene, udp=self.udp, lease_s=self.lease_s,
-                              patient=self.patient, settings=self.settings)
+                              settings=self.settings)
         self.addCleanup(self.server.stop)
         self.connection = haptic.Connection(self.server.address)
         self.addCleanup(self.connection.close)

@@ -320,13 +320,15 @@ class Examples(unittest.TestCase):
     def test_the_grasp_is_felt_after_a_pause_too(self) -> None:
         server = Hapticd("finger_soft_grasp", patient=False)
         self.addCleanup(server.stop)
-        client = subprocess.Popen(
-            [sys.executable, os.path.join(EXAMPLES, "soft_grasp.py"), "--server", server.address,
-             "--seconds", "8"], stdout=subprocess.PIPE, text=True)
-        self.addCleanup(client.wait)
-        self.addCleanup(client.kill)
         with haptic.Connection(server.address) as connection:
-            events = (e for e in connection.watch() if isinstance(e, haptic.Event))
+            told = connection.watch()
+            next(told)  # from now on no event is missed
+            client = subprocess.Popen(
+                [sys.executable, os.path.join(EXAMPLES, "soft_grasp.py"), "--server",
+                 server.address, "--seconds", "8"], stdout=subprocess.PIPE, text=True)
+            self.addCleanup(client.wait)
+            self.addCleanup(client.kill)
+            events = (e for e in told if isinstance(e, haptic.Event))
             next(e for e in events if e.reason == "ARMED -> ENGAGING")
             client.send_signal(signal.SIGSTOP)
             next(e for e in events if e.kind == "LOST")

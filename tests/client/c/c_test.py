@@ -77,6 +77,8 @@ class Symbols(unittest.TestCase):
 
 
 class FromC(OneServer):
+    lease_s = 60  # the programs publish nothing for a while
+
     def run_program(self, name: str, *arguments: str) -> str:
         program = os.path.join(os.environ["HAPTIC_C_PROGRAMS"], name)
         done = subprocess.run([program, self.server.address, *arguments], capture_output=True,

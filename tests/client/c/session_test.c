@@ -33,11 +33,8 @@ static haptic_connection* connect_to(const char* address) {
 }
 
 static haptic_session* open_session(haptic_connection* connection, const char* name) {
-  haptic_session_options options = {.size = sizeof options,
-                                    .client_name = name,
-                                    .nominal_rate_hz = 200,
-                                    .state_rate_hz = 200,
-                                    .re_engage = 1};
+  haptic_session_options options = {
+      .size = sizeof options, .client_name = name, .nominal_rate_hz = 200, .state_rate_hz = 200};
   haptic_session* session = NULL;
   CHECK(haptic_open(connection, &options, &session, &error) == HAPTIC_OK && session != NULL);
   return session;

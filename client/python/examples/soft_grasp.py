@@ -101,7 +101,8 @@ def main() -> None:
             grasp, peak = Grasp(), 0.0
             for frame in range(int(arguments.seconds * RATE_HZ)):
                 state = session.wait_for_state()
-                if any(event.kind == "LOST" for event in session.events()):
+                kinds = [event.kind for event in session.events()]
+                if "LOST" in kinds and "FAULT" not in kinds:
                     session.engage_when_ready()  # a pause: force never comes back by itself
                 horizon = haptic.contact_horizon(session.round_trip_s, 1 / RATE_HZ)
                 session.publish(grasp.step(state.x_probe, horizon))

@@ -25,7 +25,8 @@ with haptic.Connection(arguments.server) as server:
         wall = math.inf
         for frame in range(int(arguments.seconds * RATE_HZ)):
             state = session.wait_for_state()
-            if any(event.kind == "LOST" for event in session.events()):
+            kinds = [event.kind for event in session.events()]
+            if "LOST" in kinds and "FAULT" not in kinds:
                 session.engage_when_ready()  # a pause: force never comes back by itself
             if state.gain > 0:
                 wall = max(WALL_RAD, wall - APPROACH_RAD_PER_S / RATE_HZ)

@@ -53,7 +53,7 @@ class Session:
         self._ended: ClientError | None = None
         self._closing = False
         self._udp: UdpCarrier | None = None
-        self._wish: object = None  # of the newest engage_when_ready(), until release()
+        self._wish: object = None  # of the newest engage_when_ready(), until release() or a fault
         self._engaging = threading.Lock()  # held while engage_when_ready() asks
         opening = wire.OpenSession(
             device=service_device, client_name=client_name, nominal_rate_hz=nominal_rate_hz,
@@ -184,8 +184,7 @@ class Session:
         """Gives force up; it fades out. Ends engage_when_ready()."""
         self._wish = None
         with self._engaging:  # an Engage on its way must not overtake the Release
-            pass
-        ask(self._stub.Release, service.ReleaseRequest(session_id=self._opened.session_id))
+            ask(self._stub.Release, service.ReleaseRequest(session_id=self._opened.session_id))
 
     def update_settings(self, *, stiffness: Sequence[float] = (), damping: Sequence[float] = (),
                         force_limit: Sequence[float] = (),
@@ -288,6 +287,8 @@ class Session:
                     self._deadband.used(self._state.proxy_seq_used)
             elif response.HasField("event"):
                 self._events.append(Event.of(response.event))
+                if response.event.kind == wire.Event.KIND_FAULT:
+                    self._wish = None  # clearing it must not start a motor
             elif response.HasField("ack"):
                 self._ack = response.ack
             self._changed.notify_all()

@@ -94,6 +94,26 @@ class Force(OneServer):
             session.release()
         self.assertEqual(asked, [session])  # the Release went after the Engage
 
+    def test_a_fault_ends_the_asking_even_if_it_is_cleared(self) -> None:
+        session = self.open()
+        asks, answer = threading.Event(), threading.Event()
+
+        def engage() -> None:
+            asks.set()
+            answer.wait(20)
+            raise haptic.ClientError("NOT_ARMED", "as it was before the fault was cleared")
+
+        with mock.patch.object(session, "engage", engage):
+            session.engage_when_ready()
+            self.assertTrue(asks.wait(20))
+            self.connection.emergency_stop()
+            self.connection.clear_fault()
+            reasons_until(session, "FAULT -> IDLE")
+            self.assertTrue(eventually(lambda: session.state and session.state.state == "ARMED"))
+            answer.set()
+        self.hold(session, lambda s: s.proxy_seq_used > 50,
+                  lambda: self.assertEqual(session.state.gain, 0.0))
+
     def test_silence_ends_it_with_an_event(self) -> None:
         session = self.open()
         session.engage_when_ready()

@@ -20,7 +20,8 @@ namespace {
 constexpr char kServiceUser[] = "hapticd";
 
 /// As a hapticd that serves at `server` may have named its socket, by
-/// server/owner/control_socket.hpp: it may listen on all addresses, or have another word for this.
+/// server/owner/local/control_socket.hpp: it may listen on all addresses, or have another word for
+/// this.
 std::vector<std::string> control_names(const std::string& server) {
   constexpr std::string_view kUnix = "unix:", kLocal = "local:";
   if (server.rfind(kUnix, 0) == 0) return {"hapticd" + server.substr(kUnix.size())};

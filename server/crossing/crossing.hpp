@@ -19,9 +19,9 @@
 #include <optional>
 #include <type_traits>
 
+#include "haptic/core/contacts/proxy_snapshot.hpp"
 #include "haptic/core/fault.hpp"
-#include "haptic/core/projection/proxy_snapshot.hpp"
-#include "haptic/core/projection/renderer_kind.hpp"
+#include "haptic/core/rendering/renderer_kind.hpp"
 #include "haptic/core/safety/lifecycle.hpp"
 #include "haptic/core/safety/staleness.hpp"
 #include "haptic/core/time.hpp"

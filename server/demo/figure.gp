@@ -3,7 +3,7 @@
 #   gnuplot -e "data='DECIMATED.csv'; contact='PHASES'; output='figure'; method='subspace_linear';
 #               heading='...'" figure.gp
 #
-# Writes output.svg and output.png. Columns: server/telemetry/recorder.hpp.
+# Writes output.svg and output.png. Columns: server/owner/telemetry/recorder.hpp.
 
 if (!exists("font")) font = "DejaVu Sans"
 deg = 180.0 / pi

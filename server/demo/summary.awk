@@ -1,4 +1,4 @@
-# The demo's summary, from the recording of every tick (server/owner/recorder.hpp).
+# The demo's summary, from the recording of every tick (server/owner/telemetry/recorder.hpp).
 #
 #   awk -f summary.awk [-v stretches=FILE] RECORDING
 #

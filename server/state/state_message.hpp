@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "haptic/core/projection/coupling_metric.hpp"
+#include "haptic/core/rendering/coupling_metric.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "haptic/v1/session.pb.h"
 #include "server/crossing/state_record.hpp"

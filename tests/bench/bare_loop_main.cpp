@@ -8,7 +8,7 @@
 #include <ctime>
 #include <vector>
 
-#include "server/rt/realtime.hpp"
+#include "server/owner/loop/realtime.hpp"
 
 namespace {
 

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "haptic/core/contacts/plane_projection.hpp"
 #include "haptic/core/linear/least_squares.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/hand_exoskeleton.hpp"
-#include "haptic/core/projection/linear_certificate.hpp"
-#include "haptic/core/projection/plane_projection.hpp"
-#include "haptic/core/projection/renderer.hpp"
+#include "haptic/core/rendering/linear_certificate.hpp"
+#include "haptic/core/rendering/renderer.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/support/angles.hpp"

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "server/base/steady_now.hpp"
-#include "server/front_program.hpp"
+#include "server/owner/link/front_program.hpp"
 #include "tests/bench/percentile.hpp"
 #include "tests/server/support/app.hpp"
 

@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
-#include "server/rt/loop.hpp"
-#include "server/scene/scene.hpp"
-#include "server/telemetry/telemetry.hpp"
+#include "server/owner/loop/loop.hpp"
+#include "server/owner/scene/scene.hpp"
+#include "server/owner/telemetry/telemetry.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/bench/percentile.hpp"
 #include "tests/bench/pressing_units.hpp"

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/rt/device_unit.hpp"
-#include "server/scene/scene.hpp"
+#include "server/owner/loop/device_unit.hpp"
+#include "server/owner/scene/scene.hpp"
 
 namespace haptic::bench {
 

@@ -15,10 +15,10 @@
 
 #include "hw/device.hpp"
 #include "hw/device_config.hpp"
-#include "server/front_server.hpp"
-#include "server/owner/owner.hpp"
-#include "server/rt/loop.hpp"
-#include "server/scene/scene.hpp"
+#include "server/front/server.hpp"
+#include "server/owner/loop/loop.hpp"
+#include "server/owner/rights/owner.hpp"
+#include "server/owner/scene/scene.hpp"
 #include "tests/bench/percentile.hpp"
 
 namespace haptic::bench {

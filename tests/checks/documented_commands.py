@@ -91,7 +91,7 @@ ELSEWHERE = {
         "$(pkg-config --cflags --libs haptic-client)",
     ),
     '"$HOME/.local/bin/hapticd" --scene finger_constant': (
-        "tests/server/scene/shipped_scenes_test.cpp",
+        "tests/server/owner/scene/shipped_scenes_test.cpp",
         "AProgramFindsItsShareDirectory",
     ),
     "./first": ("tests/checks/CMakeLists.txt", "NAME readme.first_client"),

@@ -3,8 +3,8 @@
   folder_circles.py [ROOT]
 
 Reads every #include "..." of the rooms and prints the folders that lie on a circle. Files that lie
-beside the folders, such as server/app.cpp, are no folder. Exit status: 0 none, 1 some, 2 there was
-nothing to check.
+beside the folders, such as server/owner/app.cpp, are no folder. Exit status: 0 none, 1 some, 2
+there was nothing to check.
 """
 
 import pathlib
@@ -12,13 +12,15 @@ import re
 import sys
 
 ROOMS = ("core", "hw", "server", "client", "proto")
+WINGS = (["server", "owner"], ["server", "front"])  # their folders are a level deeper
 
 
 def folder(path):
     """"core/src/tick/a.hpp" and "haptic/core/tick/a.hpp" are both in "core/tick"."""
     parts = [p for p in pathlib.PurePath(path).parts[:-1] if p not in ("include", "src", "haptic")]
     parts = parts[1:] if parts[:1] == parts[1:2] else parts  # core/include/haptic/core/tick
-    return "/".join(parts[:2]) if len(parts) > 1 and parts[0] in ROOMS else None
+    depth = 3 if parts[:2] in WINGS else 2
+    return "/".join(parts[:depth]) if len(parts) >= depth and parts[0] in ROOMS else None
 
 
 def edges(root):

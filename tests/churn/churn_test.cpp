@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "haptic/client/client.hpp"
-#include "server/scene/scene.hpp"
+#include "server/owner/scene/scene.hpp"
 #include "tests/server/support/app.hpp"
 
 namespace haptic::test {

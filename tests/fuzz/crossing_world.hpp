@@ -13,8 +13,8 @@
 
 #include "haptic/core/model/linear.hpp"
 #include "server/crossing/link_messages.hpp"
-#include "server/owner/front_requests.hpp"
-#include "server/owner/sample_intake.hpp"
+#include "server/owner/link/front_requests.hpp"
+#include "server/owner/link/sample_intake.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace haptic::test::crossing {

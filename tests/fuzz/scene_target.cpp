@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "haptic/core/error.hpp"
-#include "server/scene/scene.hpp"
+#include "server/owner/scene/scene.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace haptic::test {

@@ -10,7 +10,7 @@
 #include "haptic/client/planes.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "hw/simulated/finger.hpp"
-#include "server/scene/scene.hpp"
+#include "server/owner/scene/scene.hpp"
 #include "tests/support/loop/remote_client.hpp"
 #include "tests/support/plane_set.hpp"
 

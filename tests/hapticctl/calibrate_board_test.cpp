@@ -11,7 +11,7 @@
 #include "calibration/guide.hpp"
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "server/scene/scene.hpp"
+#include "server/owner/scene/scene.hpp"
 #include "tests/support/temporary_file.hpp"
 #include "tests/support/virtual_board.hpp"
 

@@ -12,7 +12,7 @@
 #include <sstream>
 #include <thread>
 
-#include "server/scene/scene.hpp"
+#include "server/owner/scene/scene.hpp"
 #include "tests/server/support/test_client.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/link/impaired_link.hpp"

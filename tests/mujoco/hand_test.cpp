@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "hw/simulated/hand.hpp"
-#include "server/scene/scene.hpp"
+#include "server/owner/scene/scene.hpp"
 #include "tests/mujoco/mujoco_world.hpp"
 
 namespace haptic::mujoco {

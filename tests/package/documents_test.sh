@@ -30,7 +30,7 @@ check() { # check PROGRAM SOURCE
   done
   ((count > 8)) || fail "$2: only $count options found"
 }
-check hapticd "$source/server/main.cpp"
+check hapticd "$source/server/owner/main.cpp"
 check hapticctl "$source/client/hapticctl/command_line.cpp"
 
 for command in info health watch engage link estop clear-fault restart-front doctor calibrate; do

@@ -2,8 +2,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Vector3 } from "three";
-import { frames } from "../../server/page/src/picture/frames.ts";
-import { gridStep } from "../../server/page/src/picture/view.ts";
+import { frames } from "../../server/front/page/src/picture/frames.ts";
+import { gridStep } from "../../server/front/page/src/picture/view.ts";
 
 const [ROTATION, TRANSLATION, ORIENTATION, ROTATION_VECTOR, AIM] = [1, 2, 3, 4, 5];
 const [Q, X] = [1, 2];

@@ -1,7 +1,7 @@
 // The rows behind a trace.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { History } from "../../server/page/src/traces/history.ts";
+import { History } from "../../server/front/page/src/traces/history.ts";
 
 test("a window has its rows alone", () => {
   const history = new History(1, 100);

@@ -1,8 +1,8 @@
 // Two devices made by hand: a finger whose carriage slides and whose links turn, and a hand of five
 // such fingers.
 
-import type { Drawing, DrawnBody } from "../../server/page/src/picture/drawing";
-import type { Device, DeviceState } from "../../server/page/src/model";
+import type { Drawing, DrawnBody } from "../../server/front/page/src/picture/drawing";
+import type { Device, DeviceState } from "../../server/front/page/src/model";
 
 const FINGERS = ["thumb", "index", "middle", "ring", "little"];
 const RADIUS = 0.008;

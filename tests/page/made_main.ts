@@ -1,4 +1,4 @@
-import { App } from "../../server/page/src/app";
+import { App } from "../../server/front/page/src/app";
 import { made, MadeSource } from "./made_source";
 
 Object.assign(window, { made });

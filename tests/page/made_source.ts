@@ -1,10 +1,10 @@
 // A stand-in for the server in tests of the page alone: two devices whose states are made by hand,
 // and everything that a server may answer, set by the test through `window.made`.
 
-import type { Device, ServerInfo, SessionLink } from "../../server/page/src/model";
+import type { Device, ServerInfo, SessionLink } from "../../server/front/page/src/model";
 import {
   SourceError, type Listener, type Source, type Watching,
-} from "../../server/page/src/source";
+} from "../../server/front/page/src/source";
 import { madeDevices, madeState } from "./made_device";
 
 export interface Made {

@@ -1,12 +1,12 @@
 // What the page says in words and numbers.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { misfit } from "../../server/page/src/mujoco/fit.ts";
-import { LiveSource } from "../../server/page/src/live_source.ts";
-import { howLong, number, quantity } from "../../server/page/src/units.ts";
-import { faultWords, limiterWords, unknownNames } from "../../server/page/src/words/bits.ts";
+import { misfit } from "../../server/front/page/src/mujoco/fit.ts";
+import { LiveSource } from "../../server/front/page/src/live_source.ts";
+import { howLong, number, quantity } from "../../server/front/page/src/units.ts";
+import { faultWords, limiterWords, unknownNames } from "../../server/front/page/src/words/bits.ts";
 import { changeWords, contactWords, deratingWords, proxyWords }
-  from "../../server/page/src/words/state.ts";
+  from "../../server/front/page/src/words/state.ts";
 
 globalThis.location ??= { origin: "http://localhost" };
 const { faultNames, limiterNames } = new LiveSource();

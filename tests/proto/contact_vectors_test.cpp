@@ -7,7 +7,7 @@
 #include <sstream>
 #include <vector>
 
-#include "haptic/core/projection/plane_projection.hpp"
+#include "haptic/core/contacts/plane_projection.hpp"
 #include "tests/proto/markdown.hpp"
 
 namespace haptic::test {

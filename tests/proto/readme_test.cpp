@@ -8,7 +8,7 @@
 #include <set>
 
 #include "haptic/core/fault.hpp"
-#include "haptic/core/projection/renderer_kind.hpp"
+#include "haptic/core/rendering/renderer_kind.hpp"
 #include "haptic/core/safety/lifecycle.hpp"
 #include "haptic/v1/haptic_service.pb.h"
 #include "haptic/v1/session.pb.h"
@@ -96,10 +96,10 @@ std::set<std::string> upper_case_literals(const std::filesystem::path& folder) {
 }
 
 TEST(ProtocolReadme, DocumentsExactlyTheReasons) {
-  std::set<std::string> code = upper_case_literals(kRoot / "server/session");
+  std::set<std::string> code = upper_case_literals(kRoot / "server/owner/rights");
   code.merge(upper_case_literals(kRoot / "server/front"));
-  code.merge(upper_case_literals(kRoot / "server/rpc"));
-  code.merge(upper_case_literals(kRoot / "server/service"));
+  code.merge(upper_case_literals(kRoot / "server/front/grpc"));
+  code.merge(upper_case_literals(kRoot / "server/front/service"));
   ASSERT_GE(code.size(), 15u);
   std::set<std::string> documented;
   for (const auto& row : markdown_table(readme(), "reason")) {

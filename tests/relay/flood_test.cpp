@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "server/udp/udp_port.hpp"
+#include "server/front/udp/udp_port.hpp"
 #include "tests/relay/daemon.hpp"
 #include "tests/relay/flood.hpp"
 #include "tests/relay/host_stall.hpp"

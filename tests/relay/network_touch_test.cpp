@@ -14,7 +14,7 @@
 #include "haptic/client/contact.hpp"
 #include "haptic/core/model/linear.hpp"
 #include "haptic/core/tick/pipeline.hpp"
-#include "server/scene/scene.hpp"
+#include "server/owner/scene/scene.hpp"
 #include "tests/relay/network_row.hpp"
 #include "tests/report/rtt_object.hpp"
 #include "tests/support/plane_set.hpp"

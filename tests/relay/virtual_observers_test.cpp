@@ -6,7 +6,7 @@
 #include <array>
 #include <memory>
 
-#include "server/front/pace.hpp"
+#include "server/front/session/pace.hpp"
 #include "tests/relay/matrix_table.hpp"
 #include "tests/relay/virtual_world.hpp"
 #include "tests/server/support/broadcast.hpp"

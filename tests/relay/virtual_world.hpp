@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "haptic/wire/path_end.hpp"
-#include "server/front/link_watch.hpp"
+#include "server/front/session/link_watch.hpp"
 #include "tests/server/support/device_rig.hpp"
 #include "tests/support/link/impaired_link.hpp"
 

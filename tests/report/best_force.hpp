@@ -2,7 +2,7 @@
 /// The best force of a device with one actuated DoF against known contacts, Eq. (31) for the wish
 /// of Eq. (8) (core/METHOD.md#the-best-a-device-can-do).
 
-#include "haptic/core/projection/plane_projection.hpp"
+#include "haptic/core/contacts/plane_projection.hpp"
 
 namespace haptic::report {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptic/core/projection/coupling_metric.hpp"
+#include "haptic/core/rendering/coupling_metric.hpp"
 
 namespace haptic::report {
 namespace {

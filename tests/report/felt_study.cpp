@@ -5,8 +5,8 @@
 
 #include "haptic/core/error.hpp"
 #include "hw/simulated/finger.hpp"
-#include "server/scene/scene.hpp"
-#include "server/scene/shipped.hpp"
+#include "server/owner/scene/scene.hpp"
+#include "server/owner/scene/shipped.hpp"
 #include "tests/report/best_force.hpp"
 #include "tests/support/cpu_time.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"

@@ -7,7 +7,7 @@
 #include "hw/motion/motion_csv.hpp"
 #include "hw/motion/pchip.hpp"
 #include "hw/simulated/finger.hpp"
-#include "server/scene/shipped.hpp"
+#include "server/owner/scene/shipped.hpp"
 #include "tests/report/chosen_linkage.hpp"
 #include "tests/report/felt_study.hpp"
 #include "tests/report/rtt_study.hpp"

@@ -4,7 +4,7 @@
 #include <array>
 #include <string>
 
-#include "haptic/core/projection/renderer_kind.hpp"
+#include "haptic/core/rendering/renderer_kind.hpp"
 
 namespace haptic::report {
 

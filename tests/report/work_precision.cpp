@@ -6,8 +6,8 @@
 #include <functional>
 #include <kdl/chainiksolverpos_lma.hpp>
 
-#include "haptic/core/projection/proxy_solver.hpp"
-#include "haptic/core/projection/renderer.hpp"
+#include "haptic/core/rendering/proxy_solver.hpp"
+#include "haptic/core/rendering/renderer.hpp"
 #include "tests/bench/paired.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptic/client/types.hpp"
-#include "haptic/core/projection/proxy_snapshot.hpp"
+#include "haptic/core/contacts/proxy_snapshot.hpp"
 
 namespace haptic::test {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptic/core/projection/proxy_snapshot.hpp"
+#include "haptic/core/contacts/proxy_snapshot.hpp"
 
 namespace haptic::test {
 

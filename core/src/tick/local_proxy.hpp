@@ -8,8 +8,8 @@
 
 #include <bitset>
 
+#include "haptic/core/contacts/plane_projection.hpp"
 #include "haptic/core/model/configuration_space.hpp"
-#include "haptic/core/projection/plane_projection.hpp"
 #include "haptic/core/tick/tick_record.hpp"
 #include "haptic/core/types.hpp"
 #include "probe_history.hpp"

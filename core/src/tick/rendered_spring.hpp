@@ -5,9 +5,9 @@
 
 #include <optional>
 
+#include "haptic/core/passivity/direction_guard.hpp"
 #include "haptic/core/passivity/passivity.hpp"
-#include "haptic/core/projection/direction_guard.hpp"
-#include "haptic/core/projection/monotone_envelope.hpp"
+#include "haptic/core/rendering/monotone_envelope.hpp"
 #include "haptic/core/safety/actuator_ratings.hpp"
 #include "rendering.hpp"
 

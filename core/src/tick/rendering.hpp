@@ -4,10 +4,10 @@
 
 #include <optional>
 
-#include "haptic/core/projection/block_map.hpp"
-#include "haptic/core/projection/block_renderer.hpp"
-#include "haptic/core/projection/force_error.hpp"
-#include "haptic/core/projection/linear_certificate.hpp"
+#include "haptic/core/rendering/block_map.hpp"
+#include "haptic/core/rendering/block_renderer.hpp"
+#include "haptic/core/rendering/force_error.hpp"
+#include "haptic/core/rendering/linear_certificate.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "local_proxy.hpp"
 #include "session_settings.hpp"

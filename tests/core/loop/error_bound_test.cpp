@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "haptic/core/projection/renderer.hpp"
+#include "haptic/core/rendering/renderer.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
 #include "tests/support/loop/rails.hpp"
 

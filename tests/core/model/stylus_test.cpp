@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "haptic/core/error.hpp"
-#include "haptic/core/projection/renderer.hpp"
+#include "haptic/core/rendering/renderer.hpp"
 #include "tests/core/model/derivatives.hpp"
 #include "tests/support/dense_oracle.hpp"
 

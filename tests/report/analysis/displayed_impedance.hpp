@@ -14,7 +14,7 @@
 #include "haptic/core/linear/full_column_rank.hpp"
 #include "haptic/core/linear/stiffness_coupling.hpp"
 #include "haptic/core/model/kinematics.hpp"
-#include "haptic/core/projection/renderer_kind.hpp"
+#include "haptic/core/rendering/renderer_kind.hpp"
 #include "haptic/core/types.hpp"
 
 namespace haptic::core {

@@ -7,7 +7,7 @@
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
-#include "haptic/core/projection/renderer.hpp"
+#include "haptic/core/rendering/renderer.hpp"
 #include "tests/support/vectors.hpp"
 
 namespace haptic::core {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
-#include "haptic/core/projection/renderer.hpp"
+#include "haptic/core/rendering/renderer.hpp"
 #include "tests/report/analysis/cycle_energy.hpp"
 
 namespace haptic::core {

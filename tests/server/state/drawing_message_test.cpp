@@ -5,7 +5,7 @@
 #include "server/state/device_message.hpp"
 #include "tests/core/model/drawn_frames.hpp"
 #include "tests/core/model/sample_hands.hpp"
-#include "tests/server/scene/scene_text.hpp"
+#include "tests/server/owner/scene/scene_text.hpp"
 
 namespace haptic::test {
 namespace {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <utility>
 
-#include "server/app.hpp"
-#include "server/front_app.hpp"
-#include "server/owner/tick_metrics.hpp"
+#include "server/front/app.hpp"
+#include "server/owner/app.hpp"
+#include "server/owner/telemetry/tick_metrics.hpp"
 
 namespace haptic::test {
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "server/service/broadcaster.hpp"
+#include "server/front/service/broadcaster.hpp"
 
 namespace haptic::test {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "haptic/core/model/linear.hpp"
-#include "server/owner/owner.hpp"
-#include "server/rt/device_unit.hpp"
-#include "server/telemetry/telemetry.hpp"
+#include "server/owner/loop/device_unit.hpp"
+#include "server/owner/rights/owner.hpp"
+#include "server/owner/telemetry/telemetry.hpp"
 #include "tests/server/support/hand_front.hpp"
 #include "tests/server/support/scripted_device.hpp"
 

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "haptic/core/tick/tick_record.hpp"
-#include "server/front/front.hpp"
+#include "server/front/session/front.hpp"
 
 namespace haptic::test {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/base/steady_now.hpp"
-#include "server/front_server.hpp"
+#include "server/front/server.hpp"
 #include "tests/server/support/device_rig.hpp"
 #include "tests/support/within.hpp"
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "haptic/core/projection/plane_projection.hpp"
+#include "haptic/core/contacts/plane_projection.hpp"
 #include "haptic/core/tick/tick_input.hpp"
 #include "tests/support/link/random.hpp"
 

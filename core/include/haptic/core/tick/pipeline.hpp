@@ -10,7 +10,7 @@
 #include "haptic/core/control/force_control.hpp"
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/passivity/passivity.hpp"
-#include "haptic/core/projection/projection_model.hpp"
+#include "haptic/core/rendering/projection_model.hpp"
 #include "haptic/core/safety/actuator_limits.hpp"
 #include "haptic/core/safety/late_bucket.hpp"
 #include "haptic/core/tick/tick_input.hpp"

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <tuple>
 
+#include "haptic/core/contacts/proxy_snapshot.hpp"
 #include "haptic/core/fault.hpp"
-#include "haptic/core/projection/proxy_snapshot.hpp"
-#include "haptic/core/projection/renderer_kind.hpp"
+#include "haptic/core/rendering/renderer_kind.hpp"
 #include "haptic/core/safety/staleness.hpp"
 #include "haptic/core/time.hpp"
 #include "haptic/core/types.hpp"

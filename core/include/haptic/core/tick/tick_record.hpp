@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <tuple>
 
+#include "haptic/core/contacts/plane_projection.hpp"
 #include "haptic/core/identical.hpp"
 #include "haptic/core/model/dof_layout.hpp"
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/passivity/passivity.hpp"
-#include "haptic/core/projection/certificate.hpp"
-#include "haptic/core/projection/plane_projection.hpp"
-#include "haptic/core/projection/projection.hpp"
+#include "haptic/core/rendering/certificate.hpp"
+#include "haptic/core/rendering/projection.hpp"
 #include "haptic/core/safety/lifecycle.hpp"
 #include "haptic/core/tick/tick_input.hpp"
 

@@ -1,0 +1,100 @@
+#pragma once
+/// Objects that are pushed: their own law of motion along the normal of each contact, integrated
+/// in every tick with the force that is felt there, Eq. (38) (core/METHOD.md#pushed-objects):
+///   M_i s_i'' = sum_j e_i.e_j sqrt(M_i / M_j) l_j + load_i - D_i s_i' - k_i s_i,
+/// s_i how far the surface has receded since its sample, l_j the multipliers of the contacts on the
+/// same object, e the directions in which they push it. By the trapezoidal rule s is linear in the
+/// l that is looked for, so that contacts with a law are some that give way by free() + give() l,
+/// for the same solver: stable for every mass, and as passive as the law; of several contacts on
+/// one object if D_i / M_i and k_i / M_i are the same for all of them. Never allocates.
+
+#include <array>
+
+#include "haptic/core/contacts/contact_dual.hpp"
+#include "haptic/core/contacts/mass_ratio.hpp"
+
+namespace haptic::core {
+
+class ContactLaws {
+ public:
+  using Vector = ContactDual::Vector;
+
+  /// No contact has a law, and nothing is known of any mass.
+  void clear() noexcept {
+    begin_sample();
+    known_ = 0;
+  }
+  /// The next sample begins: no contact has a law any more. What is known of the masses is kept
+  /// for the contacts that the sample names.
+  void begin_sample() noexcept;
+  /// Contact i has the law of that column of PlaneSet::laws, and recedes at `velocity`; its gap is
+  /// counted in units of `length`. A mass of 0 is no law.
+  void take(const PlaneSet::Laws& told, int i, double velocity, double length,
+            double id = 0.0) noexcept;
+  /// Those that were taken push these objects. A direction without a length is of no object.
+  void share(const PlaneSet::Objects& told) noexcept;
+  /// Back to where the sample told them, and to what pushed them there.
+  void rewind() noexcept;
+  /// The next sample is of the end of the last step: what it tells is compared with that.
+  void compare_next() noexcept { compared_ = true; }
+  /// After take() and share(): the masses become those that explain the samples.
+  void correct_masses() noexcept;
+  [[nodiscard]] bool any() const noexcept { return with_ != 0; }
+  [[nodiscard]] bool has(int i) const noexcept { return ContactDual::has(with_, i); }
+
+  /// A step of dt s (>= 0) begins. True: give() may have changed.
+  bool begin(double dt) noexcept;
+  /// s at the end of the step if nothing pushed any more; 0 without a law.
+  [[nodiscard]] double free(int i) const noexcept { return has(i) ? free_[i] : 0.0; }
+  /// And by how much more per unit of its own l at the end of the step.
+  [[nodiscard]] double give(int i) const noexcept { return has(i) ? give_[i] : 0.0; }
+  /// And by how much per unit of the l of the others on its object, scaled.
+  [[nodiscard]] ContactDual::Gives gives(const Vector& scale) const noexcept;
+  /// The step ends with the multipliers l, one per contact. Those without a law are not read.
+  void end(const Vector& l) noexcept;
+
+  /// Of all objects, kinetic and of what holds them: M v^2 / 2 + (load - k s)^2 / (2 k). Of an
+  /// object with several contacts what the one that has most knows of it, so never too much.
+  [[nodiscard]] double energy() const noexcept;
+
+ private:
+  /// Takes over what the sample before told of contact i's mass; returns what this one adds.
+  [[nodiscard]] MassRatio::Seen recall(int i) noexcept;
+  /// pushed_ becomes by how much the multipliers l push.
+  void push(const Vector& l) noexcept;
+
+  std::uint32_t with_{0};
+  std::uint32_t shared_{0};  ///< contacts on an object that has others
+  int count_{0};             ///< one more than the last contact with a law
+  double dt_{0.0};
+  Vector mass_{}, damping_{}, stiffness_{}, load_{};
+  Vector s_{}, v_{}, l_{};  ///< at the end of the last step
+  Vector first_l_{};        ///< at the sample: of steps of 0 s
+  Vector free_{}, give_{};
+  Vector root_{};                                   ///< sqrt(give)
+  std::array<std::uint32_t, kMaxPlanes> others_{};  ///< contacts on the same object, as bits
+  ContactDual::Gram cosine_{};  ///< e_i.e_j of different contacts on one object, else 0
+  Vector pushed_{};
+
+  // What is known of the masses:
+  Vector id_{}, object_{};  ///< 0: none
+  Vector told_v_{};         ///< at the sample
+  Vector jump_{};           ///< most that a step since then changed l by, times its length
+  double time_{0.0};        ///< since then, s
+  std::array<MassRatio, kMaxPlanes> ratio_{};
+  /// A contact of the sample before that had a name.
+  struct Before {
+    double id{0.0}, object{0.0};
+    MassRatio ratio{};
+    double v{0.0};       ///< as it was told
+    double faster{0.0};  ///< by the law with the mass that was told, until the next sample
+    double wrong{0.0};   ///< by how much that may be off
+    double load{0.0};    ///< by then
+  };
+  std::array<Before, kMaxPlanes> before_{};
+  int known_{0};          ///< of those
+  bool compared_{false};  ///< the last steps lead to the next sample
+  double compared_s_{0.0};
+};
+
+}  // namespace haptic::core

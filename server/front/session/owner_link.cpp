@@ -1,0 +1,259 @@
+#include "server/front/session/owner_link.hpp"
+
+#include <linux/futex.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <ctime>
+#include <sstream>
+#include <utility>
+
+#include "haptic/core/error.hpp"
+#include "server/base/thread_setup.hpp"
+
+namespace haptic::server {
+namespace {
+
+/// A sign of life at least so often, also when nothing happens.
+constexpr timespec kBeat{0, 250'000'000};
+/// The owner takes messages within a millisecond: it has ended if it does not take one for so long.
+constexpr int kPatienceMs = 5'000;
+
+std::string text_of(Descriptor& memory, std::size_t bytes) {
+  const std::size_t mapped = std::max<std::size_t>(bytes, 1);
+  const SharedMemory text(std::move(memory), mapped, SharedMemory::Access::kRead);
+  return {static_cast<const char*>(text.data()), bytes};
+}
+
+}  // namespace
+
+OwnerLink::OwnerLink(Descriptor link) : link_(std::move(link)) {
+  FrontMessage hello;
+  hello.layout = layout_hash();
+  say(hello);
+  pollfd wait{link_.get(), POLLIN, 0};
+  poll(&wait, 1, kPatienceMs);
+  OwnerMessage welcome;
+  std::vector<Descriptor> descriptors;
+  if (receive(link_.get(), welcome, &descriptors) != Received::kMessage ||
+      welcome.kind != OwnerMessage::Kind::kWelcome ||
+      descriptors.size() != OwnerMessage::kDescriptors) {
+    throw core::TransportError("the owner does not want this front");
+  }
+  generation_ = welcome.generation;
+  scene_ = text_of(descriptors[OwnerMessage::kScene], welcome.scene_bytes);
+  descriptions_ = text_of(descriptors[OwnerMessage::kDevices], welcome.device_bytes);
+  own_ = SharedMemory(std::move(descriptors[OwnerMessage::kFrontsPages]), sizeof(FrontsPages),
+                      SharedMemory::Access::kReadAndWrite);
+  own_pages_ = static_cast<FrontsPages*>(own_.data());
+  wakes_owner_ = std::move(descriptors[OwnerMessage::kWakesOwner]);
+  // Its size follows from the number of devices.
+  owners_ =
+      SharedMemory(std::move(descriptors[OwnerMessage::kOwnersPages]), SharedMemory::Access::kRead);
+  pages_ = static_cast<const OwnersPages*>(owners_.data());
+}
+
+OwnerLink::~OwnerLink() {
+  stop();
+}
+
+void OwnerLink::set_devices(std::vector<DeviceFacts> devices) {
+  if (owners_.bytes() != OwnersPages::bytes(devices.size())) {
+    throw core::TransportError("the owner has another number of devices than the scene");
+  }
+  devices_ = std::move(devices);
+  seen_.resize(devices_.size());
+}
+
+void OwnerLink::ready() {
+  FrontMessage message;
+  message.kind = FrontMessage::Kind::kReady;
+  say(message);
+}
+
+bool OwnerLink::wait_for_go(std::vector<std::string>& addresses) {
+  const OwnerMessage message = hear();
+  std::istringstream words(message.addresses.str());
+  for (std::string word; words >> word;) addresses.push_back(word);
+  return message.kind == OwnerMessage::Kind::kGo;
+}
+
+void OwnerLink::begin() {
+  answers_ = pages_->answers.begin(0);
+  events_ = pages_->events.begin(kRetold);
+  judged_ = pages_->judged.begin(0);
+  pass_on();  // before any session is there: the past is told only to those that ask for it
+  thread_ = std::thread([this] { run(); });
+}
+
+bool OwnerLink::say(const FrontMessage& message) {
+  while (!send(link_.get(), message)) {
+    if (errno != EAGAIN) return false;
+    pollfd wait{link_.get(), POLLOUT, 0};
+    if (poll(&wait, 1, kPatienceMs) <= 0) return false;
+  }
+  return true;
+}
+
+OwnerMessage OwnerLink::hear() {
+  for (;;) {
+    pollfd wait{link_.get(), POLLIN, 0};
+    poll(&wait, 1, -1);
+    OwnerMessage message;
+    switch (receive(link_.get(), message)) {
+      case Received::kMessage:
+        return message;
+      case Received::kGone:
+        return OwnerMessage{OwnerMessage::Kind::kLeave};
+      case Received::kNothing:
+      case Received::kOdd:
+        continue;
+    }
+  }
+}
+
+void OwnerLink::serving(const std::vector<std::string>& addresses) {
+  std::string text;
+  for (const std::string& address : addresses) text += (text.empty() ? "" : " ") + address;
+  FrontMessage message;
+  message.kind = FrontMessage::Kind::kServing;
+  message.text = text;
+  say(message);
+}
+
+void OwnerLink::cannot_serve(const std::string& why) {
+  FrontMessage message;
+  message.kind = FrontMessage::Kind::kCannotServe;
+  message.text = why;
+  say(message);
+}
+
+void OwnerLink::wait_for_leave() {
+  while (hear().kind != OwnerMessage::Kind::kLeave) continue;
+  leaving_.store(true);
+}
+
+void OwnerLink::stop() {
+  stopping_.store(true);
+  if (thread_.joinable()) thread_.join();
+}
+
+FrontCounters OwnerLink::count(const FrontCounters& own) {
+  FrontCounters all = pages_->counted.value();
+  for (std::size_t i = 0; i < kFrontCounters; ++i) {
+    own_pages_->counters[i].store(own[i], std::memory_order_relaxed);
+    all[i] += own[i];
+  }
+  return all;
+}
+
+bool OwnerLink::may_open(const Request& request) {
+  using Kind = Request::Kind;
+  const std::lock_guard lock(mutex_);
+  if (request.kind == Kind::kCancel) open_.erase(request.id);
+  if (request.kind == Kind::kCancel || request.kind == Kind::kClose ||
+      request.kind == Kind::kLose) {
+    return true;
+  }
+  const std::size_t stops = request.kind == Kind::kStop ? kMostOpenStops : 0;
+  if (open_.size() >= kMostOpenRequests + stops) return false;
+  open_.insert(request.id);
+  return true;
+}
+
+void OwnerLink::refuse(const Request& request, const char* why) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (open_.erase(request.id) == 0 && request.kind != Request::Kind::kStop) return;
+  }
+  const Answer answer{request.id, Refusal{Refusal::Code::kUnavailable, "NO_ANSWER", why}};
+  for (const auto& front : fronts()) front->on_answer(answer);
+}
+
+void OwnerLink::post(const Request& request) {
+  using Kind = Request::Kind;
+  if (leaving_.load() && (request.kind == Kind::kClose || request.kind == Kind::kLose)) return;
+  if (request.kind == Kind::kStop && request.device < kMostDevices) {
+    own_pages_->stops[request.device].fetch_add(1, std::memory_order_release);
+  }
+  if (!may_open(request)) {
+    wake_owner();  // a stop is obeyed all the same
+    const Answer answer{request.id, Refusal{Refusal::Code::kExhausted, "TOO_MANY_REQUESTS",
+                                            "too many requests wait for an answer"}};
+    for (const auto& front : fronts()) front->on_answer(answer);
+    return;
+  }
+  FrontMessage message;
+  message.kind = FrontMessage::Kind::kRequest;
+  message.request = request;
+  if (!say(message)) refuse(request, "the owner of the devices takes no requests");
+}
+
+void OwnerLink::post(const ProxySample& sample) {
+  {
+    const std::lock_guard lock(samples_mutex_);
+    own_pages_->proxies.push(sample);
+  }
+  wake_owner();
+}
+
+void OwnerLink::post(const PoseSample& pose) {
+  {
+    const std::lock_guard lock(samples_mutex_);
+    own_pages_->poses.push(pose);
+  }
+  wake_owner();
+}
+
+void OwnerLink::wake_owner() noexcept {
+  static_cast<void>(eventfd_write(wakes_owner_.get(), 1));
+}
+
+DeviceStatus OwnerLink::status(std::size_t device) const {
+  return pages_->devices.at(device).status.value();
+}
+
+void OwnerLink::run() noexcept {
+  set_thread_up("owner link");
+  while (!stopping_.load()) {
+    const std::uint32_t heard = pages_->rings.load(std::memory_order_acquire);
+    own_pages_->beats.fetch_add(1, std::memory_order_relaxed);
+    pass_on();
+    syscall(SYS_futex, &pages_->rings, FUTEX_WAIT, heard, &kBeat, nullptr, 0);
+  }
+}
+
+void OwnerLink::pass_on() {
+  const Fronts fronts = this->fronts();
+  // What happened before an answer was written comes before that answer.
+  const std::uint64_t answered = pages_->answers.head();
+  Happened happened;
+  while (pages_->events.read(events_, happened)) {
+    if (happened.device >= devices_.size()) continue;
+    for (const auto& front : fronts) front->on_event(happened.device, happened.event);
+  }
+  Answer answer;
+  while (answers_.next < answered && pages_->answers.read(answers_, answer)) {
+    if (answer.id != request_id(generation_, answer.id)) continue;  // another front's
+    answer.id &= kFrontsId;
+    {
+      const std::lock_guard lock(mutex_);
+      open_.erase(answer.id);
+    }
+    for (const auto& front : fronts) front->on_answer(answer);
+  }
+  Judged judged;
+  while (pages_->judged.read(judged_, judged)) {
+    for (const auto& front : fronts) front->on_judged(judged);
+  }
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    if (!pages_->devices[i].state.newer(seen_[i], newest_)) continue;
+    for (const auto& front : fronts) front->on_newest(i, newest_);
+  }
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,214 @@
+#include "server/front/web/web_server.hpp"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <future>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "haptic/core/error.hpp"
+#include "server/base/thread_setup.hpp"
+#include "server/front/net/peer_name.hpp"
+#include "server/front/net/tls_files.hpp"
+#include "server/front/web/http_connection.hpp"
+#include "server/front/web/tls_names.hpp"
+
+namespace haptic::server {
+namespace {
+
+constexpr std::chrono::seconds kHandshakeWithin{5};
+
+std::string host_of(const std::string& address) {
+  return address.substr(0, address.rfind(':'));
+}
+
+std::string port_of(const std::string& address) {
+  return address.substr(address.rfind(':') + 1);
+}
+
+bool is_any(const std::string& host) {
+  return host == "0.0.0.0" || host == "[::]";
+}
+
+/// For browsers, by TCP; null: none.
+const WebServer::Address* first_address(const std::vector<WebServer::Address>& addresses) {
+  for (const WebServer::Address& address : addresses) {
+    const bool tcp = unix_path(address.bound).empty();
+    if (address.scope == WebServer::Scope::kAll && tcp) return &address;
+  }
+  return nullptr;
+}
+
+/// By which the listeners are reached.
+std::vector<std::string> names_of(const WebConfig& config,
+                                  const std::vector<WebServer::Address>& addresses) {
+  std::vector<std::string> names = config.names;
+  for (const WebServer::Address& address : addresses) {
+    if (address.scope != WebServer::Scope::kAll || !unix_path(address.bound).empty()) continue;
+    const std::string host = host_of(address.bound);
+    if (!is_any(host)) names.push_back(host);
+    if (!is_any(host) && !is_loopback(host)) continue;
+    names.insert(names.end(), {"localhost", "127.0.0.1", "[::1]"});
+  }
+  return names;
+}
+
+std::string cookie_port(const std::vector<WebServer::Address>& addresses) {
+  const WebServer::Address* const first = first_address(addresses);
+  return first != nullptr ? port_of(first->bound) : std::string();
+}
+
+/// Where the page is found by people; empty: nowhere.
+std::string page_address(const WebConfig& config,
+                         const std::vector<WebServer::Address>& addresses) {
+  const WebServer::Address* const first = first_address(addresses);
+  if (first == nullptr) return {};
+  std::string host = host_of(first->bound);
+  if (is_any(host)) host = "localhost";
+  if (!config.names.empty() && first->protection != Protection::kThisHost) {
+    host = config.names.front();
+  }
+  return (encrypts(first->protection) ? "https://" : "http://") + host + ":" +
+         port_of(first->bound);
+}
+
+/// A client certificate is asked for if there is an issuer of them, and not required.
+std::unique_ptr<asio::ssl::context> tls_context(const TlsConfig& config) {
+  const TlsFiles files = load_tls(config);
+  auto context = std::make_unique<asio::ssl::context>(asio::ssl::context::tls_server);
+  SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_2_VERSION);
+  SSL_CTX_set_options(context->native_handle(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION);
+  context->use_certificate_chain(asio::buffer(files.certificate));
+  context->use_private_key(asio::buffer(files.key), asio::ssl::context::pem);
+  if (!files.client_ca.empty()) {
+    context->add_certificate_authority(asio::buffer(files.client_ca));
+    context->set_verify_mode(asio::ssl::verify_peer);
+    constexpr unsigned char kName[] = "hapticd";
+    SSL_CTX_set_session_id_context(context->native_handle(), kName, sizeof kName - 1);
+  }
+  return context;
+}
+
+}  // namespace
+
+class WebServer::Impl {
+ public:
+  Impl(ServiceContext& context, const WebContent& content, std::vector<Address> addresses)
+      : addresses_(std::move(addresses)),
+        tls_(context.config.tls ? tls_context(*context.config.tls) : nullptr),
+        shared_{.context = context,
+                .content = content,
+                .gate = Gate(config_of(context), names_of(config_of(context), addresses_),
+                             cookie_port(addresses_)),
+                .page_address = page_address(config_of(context), addresses_)} {}
+
+  void start() {
+    shared_.print_address();
+    thread_ = std::thread([this] {
+      set_thread_up("web");
+      shared_.loop.run();
+      ended_.set_value();
+    });
+  }
+
+  void take(std::size_t address, int descriptor, std::shared_ptr<Account> account) {
+    Account* const own = account.get();
+    // With the last of the connection's copies of this.
+    std::shared_ptr<Account> held(own,
+                                  [account = std::move(account)](Account*) { account->leave(); });
+    asio::post(shared_.loop, [this, address, descriptor, held = std::move(held)] {
+      begin(addresses_[address], descriptor, held);
+    });
+  }
+
+  void stop(core::Duration grace) {
+    if (!thread_.joinable()) return;
+    asio::post(shared_.loop, [this] { guard_.reset(); });
+    const auto ended = ended_.get_future();
+    if (ended.wait_for(grace) != std::future_status::ready) {
+      asio::post(shared_.loop, [this] {
+        stopping_ = true;
+        for (const auto& each : shared_.open) {
+          if (const auto connection = each.lock()) connection->cut();
+        }
+      });
+    }
+    thread_.join();
+  }
+
+ private:
+  static WebConfig config_of(const ServiceContext& context) {
+    return context.config.web.value_or(WebConfig{});
+  }
+
+  void begin(const Address& address, int descriptor, std::shared_ptr<Account> account) {
+    const PeerName name = peer_name(descriptor);
+    sockaddr_storage own{};
+    socklen_t size = sizeof own;
+    if (stopping_ || name.owner.empty() ||
+        getsockname(descriptor, reinterpret_cast<sockaddr*>(&own), &size) != 0) {
+      ::close(descriptor);
+      return;
+    }
+    WebPeer peer;
+    peer.scope = address.scope;
+    peer.unix_socket = name.grpc.empty();
+    peer.peer.encrypted = encrypts(address.protection);
+    peer.peer.this_host = address.protection == Protection::kThisHost;
+    peer.peer.account = std::move(account);
+    asio::generic::stream_protocol::socket socket(
+        shared_.loop, asio::generic::stream_protocol(own.ss_family, 0), descriptor);
+    PlainStream stream(std::move(socket));
+    if (!peer.peer.encrypted) return serve(std::move(stream), std::move(peer));
+    const auto connection = std::make_shared<HttpConnection<TlsStream>>(
+        TlsStream(std::move(stream), *tls_), shared_, std::move(peer));
+    shared_.add(connection);
+    beast::get_lowest_layer(connection->stream()).expires_after(kHandshakeWithin);
+    connection->stream().async_handshake(
+        asio::ssl::stream_base::server, [connection](beast::error_code error) {
+          if (error) return;
+          connection->peer().peer.names = certificate_names(connection->stream().native_handle());
+          connection->read();
+        });
+  }
+
+  void serve(PlainStream stream, WebPeer peer) {
+    const auto connection =
+        std::make_shared<HttpConnection<PlainStream>>(std::move(stream), shared_, std::move(peer));
+    shared_.add(connection);
+    connection->read();
+  }
+
+  const std::vector<Address> addresses_;
+  const std::unique_ptr<asio::ssl::context> tls_;  ///< null: plain text
+  WebShared shared_;
+  std::optional<asio::executor_work_guard<asio::io_context::executor_type>> guard_{
+      shared_.loop.get_executor()};
+  bool stopping_{false};  ///< the loop's thread only
+  std::promise<void> ended_{};
+  std::thread thread_{};
+};
+
+WebServer::WebServer(ServiceContext& context, const WebContent& content,
+                     std::vector<Address> addresses)
+    : impl_(std::make_unique<Impl>(context, content, std::move(addresses))) {}
+
+WebServer::~WebServer() {
+  stop(std::chrono::seconds(1));
+}
+
+void WebServer::start() {
+  impl_->start();
+}
+
+void WebServer::take(std::size_t address, int descriptor, std::shared_ptr<Account> account) {
+  impl_->take(address, descriptor, std::move(account));
+}
+
+void WebServer::stop(core::Duration grace) {
+  impl_->stop(grace);
+}
+
+}  // namespace haptic::server

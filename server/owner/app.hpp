@@ -1,0 +1,112 @@
+#pragma once
+/// The owner's composition: devices, loop, sessions, recorder, and the front that is started for
+/// them.
+///
+/// | thread     | what it owns                                    | how it stops                 |
+/// |------------|-------------------------------------------------|------------------------------|
+/// | main       | the App; waits for signals                      | App::stop() returned         |
+/// | loop       | units: device read and write, pipeline; samples | every unit CLOSING, or 2.5 s |
+/// |            | that wait just before a tick                    |                              |
+/// | board I/O  | port and protocol of a board, one thread each   | Device::close(), 100 ms      |
+/// | telemetry  | reading end of the rings; leases' clock,        | Telemetry::stop(), after a   |
+/// |            | events, states to the front, recorder, log      | last drain                   |
+/// | front link | requests, other samples, fronts' lives, local   | FrontLink::stop(), 1.5 s     |
+/// |            | control socket                                  |                              |
+///
+/// All but main block every signal. The front's threads: server/front/app.hpp.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/crossing/server_facts.hpp"
+#include "server/owner/loop/loop.hpp"
+#include "server/owner/loop/realtime.hpp"
+#include "server/owner/rights/owner.hpp"
+#include "server/owner/scene/scene.hpp"
+#include "server/owner/telemetry/event_log.hpp"
+#include "server/owner/telemetry/recorder.hpp"
+
+namespace haptic::server {
+
+class TickMetrics;
+
+struct AppOptions {
+  RealtimeMode realtime{RealtimeMode::kTry};
+  bool insecure_lab{false};  ///< for the front: plain text on any address (ServiceConfig)
+};
+
+/// What faces the network, as the App starts and stops it.
+class FrontRunner {
+ public:
+  virtual ~FrontRunner() = default;
+  /// Serves when it returns. Throws TransportError.
+  virtual void start() = 0;
+  /// Ends streams and calls. Idempotent.
+  virtual void stop() = 0;
+  /// The loop's thread, just before each tick: neither waits nor allocates.
+  virtual void before_tick() noexcept {}
+  /// A new one takes its place.
+  virtual void restart() {}
+  /// As bound, ports filled in.
+  [[nodiscard]] virtual std::vector<std::string> addresses() const = 0;
+};
+
+class App {
+ public:
+  using MakeFront = std::function<std::unique_ptr<FrontRunner>(App& app)>;
+
+  /// `make_front`: called by start() when the owner stands.
+  App(Scene scene, AppOptions options, MakeFront make_front);
+  /// stop().
+  virtual ~App();
+  App(const App&) = delete;
+  App& operator=(const App&) = delete;
+
+  /// Once. Gets the real-time grant, opens the devices, starts the front, which binds the
+  /// addresses, and the loop:
+  /// nothing ticks before all of it stands. Throws SceneError, DeviceError, RealtimeError,
+  /// TransportError; what was started by then is stopped.
+  void start();
+  /// SIGTERM of proto/README.md#states-of-a-device: force fades out, devices are disarmed,
+  /// telemetry drained, calls ended; less than 5 s. Idempotent.
+  void stop();
+
+  /// As bound, ports filled in; empty unless running.
+  [[nodiscard]] std::vector<std::string> addresses() const;
+  void restart_front() { front_->restart(); }
+  [[nodiscard]] const RealtimeGrant& realtime() const noexcept { return realtime_; }
+  /// Any thread, between start() and stop().
+  [[nodiscard]] LoopFacts loop_facts() const;
+  [[nodiscard]] ServerFacts facts() const;
+  [[nodiscard]] Owner& owner() { return *owner_; }
+  [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
+  [[nodiscard]] const AppOptions& options() const noexcept { return options_; }
+  /// Null if the scene has no metrics.
+  [[nodiscard]] std::shared_ptr<const TickMetrics> tick_metrics() const { return tick_metrics_; }
+  [[nodiscard]] const DeviceUnit& unit(std::size_t device) const { return *units_.at(device); }
+
+ private:
+  void open_devices();
+  /// The samples of the board that paces the loop; null: the timer does.
+  [[nodiscard]] hw::SampleSignal* pacing_samples();
+  void listen_to_devices();
+
+  const Scene scene_;
+  const AppOptions options_;
+  const MakeFront make_front_;
+  core::TimePoint started_{};
+  RealtimeGrant realtime_{};
+  // Destroyed from the last to the first: each uses those above it.
+  std::vector<std::unique_ptr<DeviceUnit>> units_{};
+  std::vector<std::unique_ptr<Recorder>> recorders_{};
+  std::unique_ptr<Telemetry> telemetry_{};
+  std::unique_ptr<Owner> owner_{};
+  std::unique_ptr<Loop> loop_{};
+  std::shared_ptr<EventLog> event_log_{};
+  std::shared_ptr<TickMetrics> tick_metrics_{};
+  std::unique_ptr<FrontRunner> front_{};
+};
+
+}  // namespace haptic::server

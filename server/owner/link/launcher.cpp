@@ -1,0 +1,222 @@
+#include "server/owner/link/launcher.hpp"
+
+#include <fcntl.h>
+#include <linux/capability.h>
+#include <poll.h>
+#include <sched.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/signalfd.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+
+#include "haptic/core/error.hpp"
+
+namespace haptic::server {
+namespace {
+
+constexpr int kLink = 3;  ///< descriptor of a front's link to the owner
+constexpr int kCannotExec = 127;
+
+struct Order {
+  enum class Kind : std::uint8_t { kStart, kKill };
+  Kind kind{Kind::kStart};
+  pid_t pid{0};  ///< kKill
+};
+
+using Notice = Launcher::Notice;
+
+/// Takes real-time rights, capabilities and memory away. Only what the kernel always grants can
+/// fail here, so failures are not looked at: the front's own confinement checks what holds.
+void take_rights_away(const FrontLimits& limits) {
+  const sched_param ordinary{};
+  sched_setscheduler(0, SCHED_OTHER | SCHED_RESET_ON_FORK, &ordinary);
+  cpu_set_t all;
+  CPU_ZERO(&all);
+  for (std::size_t cpu = 0; cpu < CPU_SETSIZE; ++cpu) CPU_SET(cpu, &all);
+  sched_setaffinity(0, sizeof all, &all);
+  if (limits.loop_cpu) {  // fails on a host of one core
+    CPU_CLR(static_cast<std::size_t>(*limits.loop_cpu), &all);
+    sched_setaffinity(0, sizeof all, &all);
+  }
+  setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + limits.nice);
+  const rlimit none{0, 0};
+  setrlimit(RLIMIT_RTPRIO, &none);
+  setrlimit(RLIMIT_NICE, &none);
+  setrlimit(RLIMIT_MEMLOCK, &none);
+  setrlimit(RLIMIT_CORE, &none);
+  if (limits.memory_bytes != 0) {
+    const rlimit memory{limits.memory_bytes, limits.memory_bytes};
+    setrlimit(RLIMIT_DATA, &memory);
+  }
+  if (limits.stack_bytes != 0) {
+    const rlimit stack{limits.stack_bytes, limits.stack_bytes};
+    setrlimit(RLIMIT_STACK, &stack);
+  }
+  rlimit files{};
+  getrlimit(RLIMIT_NOFILE, &files);
+  files.rlim_cur = files.rlim_max = std::min<rlim_t>(files.rlim_max, 4096);
+  setrlimit(RLIMIT_NOFILE, &files);
+  prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  for (unsigned long capability = 0; capability <= CAP_LAST_CAP; ++capability) {
+    prctl(PR_CAPBSET_DROP, capability, 0, 0, 0);
+  }
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  std::array<__user_cap_data_struct, 2> no_capabilities{};
+  syscall(SYS_capset, &header, no_capabilities.data());
+}
+
+/// The front's side of fork().
+[[noreturn]] void become_front(const char* program, char* const* arguments, int link,
+                               const FrontLimits& limits) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() == 1) _exit(kCannotExec);  // the launcher died before the line above
+  take_rights_away(limits);
+  for (const char* of_owner : {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"}) {
+    unsetenv(of_owner);
+  }
+  if (link == kLink) {
+    fcntl(kLink, F_SETFD, 0);
+  } else {
+    dup2(link, kLink);
+  }
+  close_range(kLink + 1, ~0U, 0);
+  execv(program, arguments);
+  _exit(kCannotExec);
+}
+
+/// The launcher's process, until the owner is gone.
+class Service {
+ public:
+  Service(int socket, const char* program, char* const* arguments, const FrontLimits& limits)
+      : socket_(socket), program_(program), arguments_(arguments), limits_(limits) {}
+
+  void run() {
+    sigset_t child;
+    sigemptyset(&child);
+    sigaddset(&child, SIGCHLD);
+    sigset_t all;
+    sigfillset(&all);
+    sigprocmask(SIG_SETMASK, &all, nullptr);  // a terminal's Ctrl-C is the owner's to answer
+    const int ended = signalfd(-1, &child, SFD_CLOEXEC | SFD_NONBLOCK);
+    for (;;) {
+      std::array<pollfd, 2> wait{{{socket_, POLLIN, 0}, {ended, POLLIN, 0}}};
+      if (poll(wait.data(), wait.size(), -1) < 0 && errno != EINTR) return;
+      signalfd_siginfo info{};
+      while (read(ended, &info, sizeof info) > 0) continue;
+      reap();
+      if (!obey()) return;
+    }
+  }
+
+ private:
+  void reap() {
+    int status = 0;
+    for (pid_t pid = 0; (pid = waitpid(-1, &status, WNOHANG)) > 0;) {
+      send(socket_, Notice{Notice::Kind::kEnded, pid, status});
+    }
+  }
+
+  /// False: the owner is gone.
+  bool obey() {
+    for (;;) {
+      Order order;
+      std::vector<Descriptor> link;
+      switch (receive(socket_, order, &link)) {
+        case Received::kMessage:
+          break;
+        case Received::kNothing:
+          return true;
+        case Received::kOdd:
+          continue;
+        case Received::kGone:
+          return false;
+      }
+      if (order.kind == Order::Kind::kKill) {
+        // The number of a process that is no child any more may be another's by now.
+        siginfo_t info{};
+        const bool child =
+            waitid(P_PID, static_cast<id_t>(order.pid), &info, WEXITED | WNOHANG | WNOWAIT) == 0;
+        if (child && info.si_pid == 0) ::kill(order.pid, SIGKILL);
+      } else if (link.size() == 1) {
+        start(link[0].get());
+      }
+    }
+  }
+
+  void start(int link) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+      sigset_t none;
+      sigemptyset(&none);
+      sigprocmask(SIG_SETMASK, &none, nullptr);
+      become_front(program_, arguments_, link, limits_);
+    }
+    if (pid < 0) {
+      send(socket_, Notice{Notice::Kind::kEnded, 0, errno});
+    } else {
+      send(socket_, Notice{Notice::Kind::kStarted, pid, 0});
+    }
+  }
+
+  const int socket_;
+  const char* const program_;
+  char* const* const arguments_;
+  const FrontLimits limits_;
+};
+
+}  // namespace
+
+Launcher::Launcher(std::filesystem::path program, std::vector<std::string> arguments,
+                   FrontLimits limits) {
+  auto [ours, its] = packet_pair();
+  pid_ = fork();
+  if (pid_ < 0) throw core::TransportError(std::string("fork: ") + std::strerror(errno));
+  if (pid_ == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    prctl(PR_SET_NAME, "hapticd-launch", 0, 0, 0);
+    ours = Descriptor();
+    std::string path = program.string();
+    std::vector<char*> argv{path.data()};
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    Service(its.get(), path.c_str(), argv.data(), limits).run();
+    _exit(0);
+  }
+  socket_ = std::move(ours);
+}
+
+Launcher::~Launcher() {
+  socket_ = Descriptor();
+  if (pid_ > 0) {
+    ::kill(pid_, SIGKILL);  // its fronts die with it
+    waitpid(pid_, nullptr, 0);
+  }
+}
+
+void Launcher::start(Descriptor link) {
+  const int fd = link.get();
+  if (!send(socket_.get(), Order{Order::Kind::kStart, 0}, std::span(&fd, 1))) {
+    throw core::TransportError("the launcher of the front is gone");
+  }
+}
+
+void Launcher::kill(pid_t front) {
+  if (front > 0) send(socket_.get(), Order{Order::Kind::kKill, front});
+}
+
+std::optional<Launcher::Notice> Launcher::next() {
+  Notice notice;
+  const Received got = receive(socket_.get(), notice);
+  gone_ = gone_ || got == Received::kGone;
+  return got == Received::kMessage ? std::optional(notice) : std::nullopt;
+}
+
+}  // namespace haptic::server

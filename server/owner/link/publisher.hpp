@@ -1,0 +1,58 @@
+#pragma once
+/// The owner's pages: what every front reads. Answers, events, verdicts, states and totals are
+/// written where they come up, by the thread on which they do, and a front is woken; the writer
+/// waits for nobody.
+
+#include <functional>
+#include <mutex>
+#include <unordered_set>
+
+#include "server/crossing/shared_layout.hpp"
+#include "server/crossing/shared_memory.hpp"
+#include "server/owner/rights/owner.hpp"
+
+namespace haptic::server {
+
+class Publisher final : public FrontPort {
+ public:
+  /// `local`: gets the answers to the owner's own requests (kLocalIds), on any thread.
+  Publisher(const Owner& owner, std::function<void(const Answer&)> local);
+
+  [[nodiscard]] int descriptor() const noexcept { return memory_.descriptor(); }
+
+  /// Behind the owner's lock.
+  void judged(const Judged& judged) noexcept { pages_.judged.publish(judged); }
+  // One thread, the link's.
+  void facts(const ServerFacts& facts) noexcept { pages_.facts.publish(facts); }
+  void totals(std::size_t device, const TickTotals& totals) noexcept {
+    pages_.devices[device].totals.publish(totals);
+  }
+  void counted(const FrontCounters& counters) noexcept { pages_.counted.publish(counters); }
+
+  /// A front's request is posted, which will be answered. False: more wait than an honest front has
+  /// open (OwnerLink), or this id does.
+  [[nodiscard]] bool expect_answer(std::uint64_t id);
+  /// It will not be answered, as far as the owner can tell.
+  void forget_answer(std::uint64_t id);
+  void forget_answers();
+  /// So many requests wait that a front may hold back its next stop.
+  [[nodiscard]] bool full();
+
+  /// Any thread.
+  void status(std::size_t device);
+  void ring() noexcept;
+
+  void on_answer(const Answer& answer) override;
+  void on_event(std::size_t device, const DeviceEvent& event) override;
+  void on_newest(std::size_t device, const StateRecord& state) override;
+
+ private:
+  const Owner& owner_;
+  const std::function<void(const Answer&)> local_;
+  SharedMemory memory_;
+  OwnersPages& pages_;
+  std::mutex mutex_;                          ///< answers and statuses come from several threads
+  std::unordered_set<std::uint64_t> open_{};  ///< requests of the front
+};
+
+}  // namespace haptic::server

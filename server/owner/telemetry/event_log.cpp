@@ -1,0 +1,26 @@
+#include "server/owner/telemetry/event_log.hpp"
+
+#include <spdlog/spdlog.h>
+
+namespace haptic::server {
+namespace {
+
+spdlog::level::level_enum level_of(DeviceEvent::Kind kind) {
+  using Kind = DeviceEvent::Kind;
+  if (kind == Kind::kFault) return spdlog::level::err;
+  if (kind == Kind::kLost || kind == Kind::kLeaseExpired) return spdlog::level::warn;
+  // As often as a client likes.
+  const bool frequent = kind == Kind::kStaleness || kind == Kind::kLimiter || kind == Kind::kClamp;
+  return frequent ? spdlog::level::debug : spdlog::level::info;
+}
+
+}  // namespace
+
+/// Under the owner's lock: the log only queues its lines (base/log.hpp).
+void EventLog::on_event(std::size_t device, const DeviceEvent& event) {
+  const bool says_more = !(event.message == event.reason.view());
+  spdlog::log(level_of(event.kind), "{}: {}{}{}", owner_.devices()[device].name,
+              event.reason.view(), says_more ? ": " : "", says_more ? event.message.view() : "");
+}
+
+}  // namespace haptic::server

@@ -1,0 +1,300 @@
+// Eq. (39) against brute force (core/METHOD.md#error-bound): the truth is anything that the told
+// uncertainty allows, solved here by other means.
+#include <gtest/gtest.h>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include "haptic/core/contacts/plane_projection.hpp"
+#include "tests/support/solved_contacts.hpp"
+
+namespace haptic::core::proxy_error_test {
+namespace {
+
+double uniform(std::mt19937& random, double lowest, double highest) {
+  return std::uniform_real_distribution<double>(lowest, highest)(random);
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+/// What a bound is judged by.
+struct Judged {
+  std::vector<double> errors{}, bounds{};
+  std::vector<double> depths{}, turns{};  ///< of the contacts, bound by error
+  double peak{0.0};                       ///< of ||x - x_probe||
+  int unknown{0};
+
+  void take(const PlaneProjection& projection, const VecX& x_probe, const VecX& x,
+            const VecX& truth, double rounding = 1e-8) {
+    ProxyError error;
+    projection.error(0.0, error);
+    peak = std::max(peak, (x - x_probe).norm());
+    if (!error.known) {
+      ++unknown;
+      return;
+    }
+    const double bound = error.everywhere + (error.of.size() > 0 ? error.of.sum() : 0.0);
+    const double off = (x - truth).norm();
+    ASSERT_LE(off, bound + rounding);
+    if (off <= rounding) return;
+    errors.push_back(off);
+    bounds.push_back(bound);
+  }
+  /// Contact i against the simulation's own: its direction and how deep the probe is beyond it.
+  void take_contact(const PlaneProjection& projection, int i, const VecX& into, double depth) {
+    if (projection.active() == 0) return;
+    ProxyError error;
+    projection.error(0.0, error);
+    if (!error.known) return;
+    const Contacts& used = projection.contacts();
+    const bool told = error.depth.size() > 0;
+    const double off = std::abs(used.depth[i] - depth);
+    const double turned = (used.into.col(i) - into).norm();
+    ASSERT_LE(off, (told ? error.depth[i] : 0.0) + 1e-8) << i;
+    ASSERT_LE(turned, (error.turn.size() > 0 ? error.turn[i] : 0.0) + 1e-8) << i;
+    if (off > 1e-8) depths.push_back(error.depth[i] / off);
+    if (turned > 1e-8) turns.push_back(error.turn[i] / turned);
+  }
+  /// The median of the bounds by what it may be: 5 times that of the errors, or 1 % of the peak.
+  [[nodiscard]] double loose() const {
+    return median(bounds) / std::max(5.0 * median(errors), 0.01 * peak);
+  }
+};
+
+/// Contacts, told right but for their stiffness, and a probe that walks about.
+Judged walk(int n_x, int most, double u, double softest, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const ConfigurationSpace space(std::vector<Coordinate>(static_cast<std::size_t>(n_x)));
+  PlaneProjection projection(space);
+  Judged judged;
+  for (int run = 0; run < 300; ++run) {
+    const int count = 1 + static_cast<int>(random() % static_cast<unsigned>(most));
+    PlaneSet truth;
+    truth.normals.resize(n_x, count);
+    truth.offsets.resize(count);
+    truth.compliance.resize(count);
+    for (int i = 0; i < count; ++i) {
+      for (int k = 0; k < n_x; ++k) truth.normals(k, i) = uniform(random, -1.0, 1.0);
+      truth.offsets[i] = uniform(random, -0.2, 1.0) * truth.normals.col(i).norm();
+      truth.compliance[i] = std::pow(10.0, uniform(random, softest, 1.5));
+    }
+    PlaneSet told = truth;
+    told.uncertainty.setConstant(count, u);
+    for (int i = 0; i < count; ++i) told.compliance[i] *= 1.0 + uniform(random, -u, u);
+    VecX p(n_x);
+    for (int k = 0; k < n_x; ++k) p[k] = uniform(random, -1.0, 2.0);
+    projection.set(told, haptic::test::solved(truth, p), &p);
+    VecX x;
+    for (int step = 0; step < 20; ++step) {
+      for (int k = 0; k < n_x; ++k) p[k] += uniform(random, -0.1, 0.1);
+      static_cast<void>(projection.project(p, x));
+      judged.take(projection, p, x, haptic::test::solved(truth, p));
+      for (int i = 0; i < count; ++i) {
+        const VecX n = truth.normals.col(i);
+        judged.take_contact(projection, i, n.normalized(),
+                            (n.dot(p) - truth.offsets[i]) / n.norm());
+      }
+      if (testing::Test::HasFatalFailure()) return judged;
+    }
+  }
+  EXPECT_EQ(judged.unknown, 0);
+  return judged;
+}
+
+TEST(ProxyError, BoundsOneWrongStiffness) {
+  for (const double u : {0.1, 0.5}) {
+    const Judged judged = walk(2, 1, u, -2.0, 3);
+    ASSERT_GT(judged.errors.size(), 100u);
+    EXPECT_LT(judged.loose(), 0.4) << u;
+  }
+}
+
+TEST(ProxyError, BoundsManyWrongStiffnesses) {
+  for (const double u : {0.1, 0.3, 0.9}) {
+    for (const int n_x : {1, 2, 3}) {
+      const Judged judged = walk(n_x, 6, u, -1.0, static_cast<std::uint32_t>(n_x));
+      ASSERT_GT(judged.errors.size(), 100u);
+      EXPECT_LT(judged.loose(), u < 0.5 ? 1.0 : 2.5) << u << ", " << n_x;
+    }
+  }
+}
+
+/// A gap with its derivatives, as a simulation knows it.
+struct Gap {
+  double phi{0.0};
+  Eigen::Vector2d g{};
+  Eigen::Matrix2d H{};
+};
+using Gaps = std::function<std::vector<Gap>(const Eigen::Vector2d& x)>;
+
+/// Of a point at p with dp/dx and d2p/dx2 (of the two components of p) from a disc at the origin,
+/// or from a sphere with its centre `aside` of the plane.
+Gap from_disc(double radius, const Eigen::Vector2d& p, const Eigen::Matrix2d& J,
+              const Eigen::Matrix2d& p_0, const Eigen::Matrix2d& p_1, double aside = 0.0) {
+  const double r = std::hypot(p.norm(), aside);
+  const Eigen::Vector2d n = p / r;
+  const Eigen::Matrix2d surface = (Eigen::Matrix2d::Identity() - n * n.transpose()) / r;
+  return {r - radius, J.transpose() * n, J.transpose() * surface * J + n[0] * p_0 + n[1] * p_1};
+}
+
+/// argmin 1/2 |x - p|^2 + 1/2 sum max(0, -phi)^2 / gamma, by many small steps.
+Eigen::Vector2d settled(const Gaps& gaps, const std::vector<double>& gamma,
+                        const Eigen::Vector2d& p) {
+  Eigen::Vector2d x = p;
+  for (int step = 0; step < 400; ++step) {
+    Eigen::Vector2d slope = x - p;
+    Eigen::Matrix2d M = Eigen::Matrix2d::Identity();
+    const std::vector<Gap> now = gaps(x);
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      if (now[i].phi >= 0.0) continue;
+      slope += now[i].phi / gamma[i] * now[i].g;
+      M += now[i].g * now[i].g.transpose() / gamma[i];
+    }
+    const Eigen::Vector2d moved = 0.7 * M.inverse() * slope;
+    x -= moved;
+    if (moved.norm() < 1e-14) break;
+  }
+  return x;
+}
+
+/// A probe that moves by up to `reach` since the anchor, for contacts that are told to the second
+/// order; stiffnesses wrong by up to u.
+Judged curved(const ConfigurationSpace& space, const Gaps& gaps, const Eigen::Vector2d& around,
+              double spread, double reach, double u, double gamma, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  PlaneProjection projection(space);
+  Judged judged;
+  for (int run = 0; run < 1000; ++run) {
+    const Eigen::Vector2d start =
+        around + spread * Eigen::Vector2d(uniform(random, -1.0, 1.0), uniform(random, -1.0, 1.0));
+    std::vector<double> stiff;
+    for (std::size_t i = 0; i < gaps(start).size(); ++i) {
+      stiff.push_back(gamma * std::pow(10.0, uniform(random, -0.5, 0.5)));
+    }
+    const Eigen::Vector2d x_0 = settled(gaps, stiff, start);
+    const std::vector<Gap> now = gaps(x_0);
+    const auto count = static_cast<Eigen::Index>(now.size());
+    PlaneSet told;
+    told.normals.resize(2, count);
+    told.offsets.resize(count);
+    told.compliance.resize(count);
+    told.curvature.resize(3 * count);
+    told.uncertainty.setConstant(count, u);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Gap& gap = now[static_cast<std::size_t>(i)];
+      told.normals.col(i) = -gap.g;
+      told.offsets[i] = gap.phi - gap.g.dot(x_0);
+      told.compliance[i] = stiff[static_cast<std::size_t>(i)] * (1.0 + uniform(random, -u, u));
+      told.curvature.segment(3 * i, 3) << gap.H(0, 0), gap.H(1, 0), gap.H(1, 1);
+      told.curved[static_cast<std::size_t>(i)] = 2;
+    }
+    const VecX used = start;
+    projection.set(told, x_0, &used);
+    const double way = uniform(random, 0.0, 2.0 * M_PI);
+    VecX x;
+    for (int step = 1; step <= 20; ++step) {
+      const VecX p = start + reach * step / 20.0 * Eigen::Vector2d(std::cos(way), std::sin(way));
+      static_cast<void>(projection.project(p, x));
+      const Eigen::Vector2d x_true = settled(gaps, stiff, p);
+      judged.take(projection, p, x, x_true, 1e-7);
+      const std::vector<Gap> there = gaps(x_true);
+      for (int i = 0; i < static_cast<int>(count); ++i) {
+        const Gap& gap = there[static_cast<std::size_t>(i)];
+        const double depth = -(gap.phi + gap.g.dot(p - x_true)) / gap.g.norm();
+        judged.take_contact(projection, i, -gap.g.normalized(), depth);
+      }
+      if (testing::Test::HasFatalFailure()) {
+        ADD_FAILURE() << run << " " << step << " " << u << " at " << start.transpose();
+        return judged;
+      }
+    }
+  }
+  return judged;
+}
+
+TEST(ProxyError, BoundsADiscThatIsStroked) {
+  const ConfigurationSpace space(std::vector<Coordinate>(2));
+  const Gaps disc = [](const Eigen::Vector2d& x) {
+    const Eigen::Matrix2d none = Eigen::Matrix2d::Zero();
+    return std::vector{from_disc(0.030, x, Eigen::Matrix2d::Identity(), none, none)};
+  };
+  for (const double u : {0.0, 0.2}) {
+    const Judged judged = curved(space, disc, {0.0, 0.028}, 0.006, 0.010, u, 1.0, 5);
+    ASSERT_GT(judged.errors.size(), 1000u);
+    EXPECT_LT(judged.loose(), u == 0.0 ? 0.3 : 0.8) << u;
+    EXPECT_EQ(judged.unknown, 0);
+  }
+}
+
+/// Four pads of a finger.
+Gaps pads(double aside) {
+  return [aside](const Eigen::Vector2d& x) {
+    std::vector<Gap> gaps;
+    const auto e = [](double a) { return Eigen::Vector2d(std::cos(a), std::sin(a)); };
+    const auto t = [](double a) { return Eigen::Vector2d(-std::sin(a), std::cos(a)); };
+    for (const auto& [l_1, l_2] :
+         {std::pair{0.025, 0.0}, {0.040, 0.0}, {0.045, 0.012}, {0.045, 0.024}}) {
+      const double a = x[0], b = x[0] + x[1];
+      const Eigen::Vector2d p = Eigen::Vector2d(-0.02, -0.045) + l_1 * e(a) + l_2 * e(b);
+      Eigen::Matrix2d J;
+      J.col(0) = l_1 * t(a) + l_2 * t(b);
+      J.col(1) = l_2 * t(b);
+      const Eigen::Vector2d aa = -l_1 * e(a) - l_2 * e(b), ab = -l_2 * e(b);
+      Eigen::Matrix2d p_0, p_1;
+      p_0 << aa[0], ab[0], ab[0], ab[0];
+      p_1 << aa[1], ab[1], ab[1], ab[1];
+      gaps.push_back(from_disc(0.030, p, J, p_0, p_1, aside));
+    }
+    return gaps;
+  };
+}
+
+ConfigurationSpace finger(double link) {
+  return ConfigurationSpace(
+      {{.name = "a", .unit = Unit::kRadian, .link = link}, {.name = "b", .unit = Unit::kRadian}});
+}
+
+TEST(ProxyError, BoundsPadsOfAFinger) {
+  const ConfigurationSpace space = finger(0.045);
+  for (const double reach : {0.05, 0.2}) {
+    for (const double u : {0.0, 0.2}) {
+      const Judged judged = curved(space, pads(0.0), {0.45, 0.5}, 0.3, reach, u, 1e-3, 6);
+      ASSERT_GT(judged.errors.size(), 1000u);
+      EXPECT_LT(judged.loose(), u == 0.0 ? 0.1 : 1.2) << reach << ", " << u;
+      EXPECT_EQ(judged.unknown, 0);
+    }
+  }
+}
+
+TEST(ProxyError, BoundsSpheresAsideOfAFinger) {
+  const Judged judged = curved(finger(0.045), pads(0.005), {0.45, 0.5}, 0.3, 0.2, 0.0, 1e-3, 6);
+  ASSERT_GT(judged.errors.size(), 1000u);
+  EXPECT_LT(judged.loose(), 0.5);
+}
+
+TEST(ProxyError, TrustsAFingersOwnLink) {
+  const auto of = [](double link) {
+    return median(curved(finger(link), pads(0.0), {0.45, 0.5}, 0.3, 0.05, 0.0, 1e-3, 6).bounds);
+  };
+  const double none = of(0.0);
+  EXPECT_LT(2.0 * of(0.045), none);
+  EXPECT_EQ(of(0.050), none);
+}
+
+TEST(ProxyError, IsNothingForExactContacts) {
+  for (const int n_x : {1, 2, 3}) {
+    const Judged judged = walk(n_x, 6, 0.0, -1.0, 11);
+    for (const double bound : judged.bounds) ASSERT_LT(bound, 1e-5);
+  }
+}
+
+}  // namespace
+}  // namespace haptic::core::proxy_error_test

@@ -1,0 +1,296 @@
+// core/METHOD.md#projection-algorithm and core/METHOD.md#worst-cases: limits of the mechanism
+// beside the box of q*, by active set in the iteration.
+#include "haptic/core/rendering/mechanism_limits.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <random>
+
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/model/hand_exoskeleton.hpp"
+#include "haptic/core/model/linear.hpp"
+#include "haptic/core/rendering/subspace_exact.hpp"
+#include "tests/core/model/sample_hands.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/dense_oracle.hpp"
+#include "tests/support/finger_pose.hpp"
+#include "tests/support/vectors.hpp"
+
+namespace haptic::core {
+namespace {
+
+using Limits = std::function<void(double, double, PairLimits&)>;
+
+/// Another map without its closed form, its first two DoFs under these limits.
+class Limited final : public Kinematics {
+ public:
+  Limited(std::unique_ptr<Kinematics> map, Limits limits)
+      : Kinematics(map->dofs(), map->space()), map_(std::move(map)), limits_(std::move(limits)) {
+    mean_J_a_ = map_->mean_actuated_jacobian();
+  }
+  MapStatus evaluate(const VecQ& q, VecX& x, MatXQ& J) const noexcept override {
+    return map_->evaluate(q, x, J);
+  }
+  MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override {
+    return map_->second_order(q, k, J_k);
+  }
+  std::span<const int> limited_pairs() const noexcept override { return first_; }
+  MapStatus pair_limits(int, double a, double b, PairLimits& limits) const noexcept override {
+    if (!limits_) return map_->pair_limits(0, a, b, limits);
+    limits_(a, b, limits);
+    return MapStatus::kOk;
+  }
+  [[nodiscard]] const Kinematics& map() const { return *map_; }
+
+ private:
+  static constexpr int first_[] = {0};
+  std::unique_ptr<Kinematics> map_;
+  Limits limits_;
+};
+
+/// x = q in a box of +-1 m, inside the disk of radius 0.5 and, where asked for, below a + b = 0.6.
+Limited disk(bool with_line) {
+  LinearMap map;
+  map.dofs = {{"a", Unit::kMetre, true, -1.0, 1.0}, {"b", Unit::kMetre, false, -1.0, 1.0}};
+  map.coordinates = {{"x", Unit::kMetre}, {"y", Unit::kMetre}};
+  map.A = Eigen::MatrixXd::Identity(2, 2);
+  return {make_linear(map), [with_line](double a, double b, PairLimits& limits) {
+            limits.fill({1.0, {0.0, 0.0}});
+            limits[1] = {0.25 - a * a - b * b, {-2.0 * a, -2.0 * b}};
+            if (with_line) limits[3] = {0.6 - a - b, {-1.0, -1.0}};
+          }};
+}
+
+ProjectionModel model_of(const Kinematics& map, const TaskMetric& metric = {}) {
+  ProjectionSettings settings;
+  settings.metric = metric;
+  settings.iteration.max_steps = 40;
+  return {map, settings};
+}
+
+Projection solve_limited(const ProjectionModel& model, const VecX& x, const VecQ& seed) {
+  ProxySolver solver(model);
+  Projection out;
+  solver.solve(x, seed, VecA::Constant(model.layout().n_a(), 1500.0), out);
+  return out;
+}
+
+void expect_inside(const Kinematics& map, const VecQ& q, const std::string& what = {}) {
+  for (std::size_t i = 0; i < map.limited_pairs().size(); ++i) {
+    const int first = map.limited_pairs()[i];
+    PairLimits limits;
+    ASSERT_EQ(map.pair_limits(static_cast<int>(i), q[first], q[first + 1], limits), MapStatus::kOk);
+    for (const PairLimit& limit : limits) EXPECT_GE(limit.room, -1e-9) << what << " pair " << i;
+  }
+}
+
+bool allowed(const Kinematics& map, const VecQ& q) {
+  for (Eigen::Index k = 0; k < q.size(); ++k) {
+    const DofSpec& dof = map.dofs()[static_cast<std::size_t>(k)];
+    if (q[k] < dof.lower || q[k] > dof.upper) return false;
+  }
+  for (std::size_t i = 0; i < map.limited_pairs().size(); ++i) {
+    const int first = map.limited_pairs()[i];
+    PairLimits limits;
+    const int which = static_cast<int>(i);
+    if (map.pair_limits(which, q[first], q[first + 1], limits) != MapStatus::kOk) return false;
+    for (const PairLimit& limit : limits) {
+      if (limit.room < 0.0) return false;
+    }
+  }
+  return true;
+}
+
+/// Of random allowed poses near q*, steps of `size` times the box, none may be nearer to x. Says
+/// how many there were.
+int expect_none_nearer(const Kinematics& map, const VecX& x, const Projection& out, double size) {
+  std::mt19937_64 random(9);
+  std::normal_distribution<double> step(0.0, size);
+  int judged = 0;
+  VecX other;
+  MatXQ J;
+  for (int n = 0; n < 3000; ++n) {
+    VecQ near = out.q_star;
+    for (Eigen::Index k = 0; k < near.size(); ++k) {
+      const DofSpec& dof = map.dofs()[static_cast<std::size_t>(k)];
+      near[k] += step(random) * (dof.upper - dof.lower);
+    }
+    if (!allowed(map, near) || map.evaluate(near, other, J) != MapStatus::kOk) continue;
+    ++judged;
+    EXPECT_GT((x - other).norm(), out.residual - 1e-9) << near.transpose();
+  }
+  return judged;
+}
+
+TEST(MechanismLimits, DisksNearestPointIsRadial) {
+  const Limited map = disk(false);
+  for (double angle = 0.0; angle < 6.0; angle += 0.4) {
+    const VecX x = 0.8 * two(std::cos(angle), std::sin(angle));
+    const Projection out = solve_limited(model_of(map), x, two(-0.1, 0.2));
+    EXPECT_EQ(out.status, ProjectionStatus::kUnreachable);
+    EXPECT_NEAR((out.q_star - 0.5 / 0.8 * x).norm(), 0.0, 1e-9) << angle;
+  }
+  const Projection inside = solve_limited(model_of(map), two(0.3, -0.3), two(-0.1, 0.2));
+  EXPECT_EQ(inside.status, ProjectionStatus::kConverged);
+  EXPECT_NEAR((inside.q_star - two(0.3, -0.3)).norm(), 0.0, 1e-12);
+}
+
+/// (W + mu) q* = W x with the mu > 0 that brings q* onto the circle.
+TEST(MechanismLimits, MetricsMultiplierLocatesTheDisksPoint) {
+  const Limited map = disk(false);
+  const Eigen::Matrix2d W = (Eigen::Matrix2d() << 3.0, 1.0, 1.0, 1.0).finished();
+  for (double angle = 0.0; angle < 6.0; angle += 0.5) {
+    const VecX x = 0.8 * two(std::cos(angle), std::sin(angle));
+    double low = 0.0, high = 100.0;
+    Eigen::Vector2d want;
+    for (int n = 0; n < 200; ++n) {
+      const double mu = 0.5 * (low + high);
+      const Eigen::MatrixXd sum = W + mu * Eigen::Matrix2d::Identity();
+      want = oracle::inverse(sum) * (W * x);
+      (want.norm() > 0.5 ? low : high) = mu;
+    }
+    const Projection out =
+        solve_limited(model_of(map, TaskMetric::from_matrix(W)), x, two(0.0, 0.1));
+    EXPECT_NEAR((out.q_star - want).norm(), 0.0, 1e-8) << angle;
+  }
+}
+
+TEST(MechanismLimits, TwoLimitsMakeACorner) {
+  const Limited map = disk(true);
+  // a + b = 0.6 on the circle: a = 0.3 +- sqrt(0.125 - 0.09). Beyond the corner along its cone.
+  const double half = std::sqrt(0.125 - 0.09);
+  const VecX corner = two(0.3 + half, 0.3 - half);
+  for (const double share : {0.2, 0.5, 0.8}) {
+    const VecX out_of_it =
+        corner + 0.3 * (share * corner.normalized() + (1.0 - share) * two(1, 1).normalized());
+    const Projection out = solve_limited(model_of(map), out_of_it, two(0.1, 0.0));
+    EXPECT_NEAR((out.q_star - corner).norm(), 0.0, 1e-9) << share;
+  }
+  // On the line between the corners.
+  const Projection line = solve_limited(model_of(map), two(0.5, 0.4), two(0.0, -0.1));
+  EXPECT_NEAR((line.q_star - two(0.35, 0.25)).norm(), 0.0, 1e-9);
+}
+
+TEST(MechanismLimits, DiskAndBoxMakeACorner) {
+  Limited map = disk(false);
+  const ProjectionModel model = model_of(map);
+  // Seen from (0.2, 2) the circle; the box is not in its way. From a seed outside it ends inside.
+  const Projection out = solve_limited(model, two(0.2, 0.9), two(0.9, 0.9));
+  EXPECT_NEAR((out.q_star - 0.5 * two(0.2, 0.9).normalized()).norm(), 0.0, 1e-9);
+}
+
+/// core/METHOD.md#unreachable-proxies and others: the iteration, from beside it, ends where the
+/// traced edge of the closed form does.
+TEST(MechanismLimits, IterationEndsAtTheFingersOptimum) {
+  const Limited map(make_finger_exoskeleton(finger_sign_change()), {});
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> mcp(-1.0, 2.3), pip(-0.6, 2.9), l(-0.002, 0.002),
+      t(-0.05, 0.05);
+  int judged = 0, elsewhere = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const VecX x = two(mcp(random), pip(random));
+    VecQ best;
+    if (map.map().inverse(x, best) != InverseStatus::kUnreachable) continue;
+    VecX x_best;
+    MatXQ J;
+    ASSERT_EQ(map.evaluate(best, x_best, J), MapStatus::kOk);
+    const double least = (x - x_best).norm();
+    if (least > 0.7) continue;  // far off the surface other minima are as near
+    const VecQ seed = best + two(l(random), t(random));
+    PairLimits limits;
+    if (map.pair_limits(0, seed[0], seed[1], limits) != MapStatus::kOk) continue;
+    if (limits[0].room < 0.0 || limits[2].room < 0.0 || limits[4].room < 0.0) continue;
+    ++judged;
+    const Projection out = solve_limited(model_of(map), x, seed);
+    expect_inside(map, out.q_star);
+    EXPECT_GT(out.residual, least - 1e-6) << "the closed form's is the global one";
+    if (out.residual < least + 1e-6) continue;
+    ++elsewhere;
+    EXPECT_GT(expect_none_nearer(map, x, out, 1e-4), 100) << "then it is a minimum of its own";
+  }
+  EXPECT_LT(elsewhere, judged / 50);
+  EXPECT_GT(judged, 100);
+}
+
+/// Where W is no multiple of the identity the closed form's nearest pose is not the nearest: no
+/// pose of a grid over box and sliders is nearer than the answer.
+TEST(MechanismLimits, UnreachablePoseIsNearestInMetric) {
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
+  const Eigen::Matrix2d W = (Eigen::Matrix2d() << 4.0, 1.5, 1.5, 1.0).finished();
+  const ProjectionModel model = model_of(*finger, TaskMetric::from_matrix(W));
+  for (const VecX& x :
+       {two(-0.5, 0.3), two(-0.7, 0.35), two(-0.5, -0.5), two(1.6, 1.0), two(0.3, 2.3)}) {
+    double least = HUGE_VAL;
+    constexpr int kGrid = 400;
+    for (int i = 0; i <= kGrid; ++i) {
+      for (int j = 0; j <= kGrid; ++j) {
+        const double l = 0.05 * i / kGrid, t = (-75.0 + 116.5 * j / kGrid) * M_PI / 180.0;
+        const FingerPose pose = finger_pose(finger_sign_change(), l, t);
+        if (pose.status != MapStatus::kOk || pose.c1 < 0.004 || pose.c1 > 0.046 ||
+            pose.c2 < 0.004 || pose.c2 > 0.040) {
+          continue;
+        }
+        const Eigen::Vector2d r = x - two(pose.q_o1, pose.q_o2);
+        least = std::min(least, r.dot(W * r));
+      }
+    }
+    SubspaceExact exact(model);
+    const VecQ q = two(0.015, -0.2);
+    VecX x_probe;
+    MatXQ J;
+    ASSERT_EQ(finger->evaluate(q, x_probe, J), MapStatus::kOk);
+    Projection out;
+    exact.project({q, x_probe, J}, x, {}, VecA::Constant(1, 1500.0), true, out);
+    EXPECT_EQ(out.status, ProjectionStatus::kUnreachable);
+    EXPECT_LE(out.residual * out.residual, least) << x.transpose();
+    expect_inside(*finger, out.q_star);
+  }
+}
+
+/// A hand whose iteration has no closed form: a proxy that asks for a finger beyond its sliders is
+/// not followed there, and near the answer nothing allowed is nearer.
+TEST(MechanismLimits, HoldEverySliderOfAHand) {
+  const auto hand = make_tracked_hand(five_fingers_on_a_palm());
+  ASSERT_EQ(hand->limited_pairs().size(), 5u);
+  VecQ q = VecQ::Zero(hand->layout().n_q()), beyond;
+  for (int f = 0; f < 5; ++f) q.segment<2>(6 + 2 * f) = two(0.0118, -0.15);
+  beyond = q;
+  // The index's slider 2 ends here: c2 is near its upper limit at small flexion.
+  PairLimits limits;
+  const int first = hand->limited_pairs()[1];
+  double least = HUGE_VAL;
+  for (int step = 0; step < 200 && least > -0.002; ++step) {
+    beyond[first + 1] += 0.005;
+    ASSERT_EQ(hand->pair_limits(1, beyond[first], beyond[first + 1], limits), MapStatus::kOk);
+    least = std::min({limits[0].room, limits[1].room, limits[2].room, limits[3].room});
+  }
+  ASSERT_LT(least, -0.001) << "the proxy is beyond a slider's end";
+  VecX x;
+  MatXQ J;
+  ASSERT_EQ(hand->evaluate(beyond, x, J), MapStatus::kOk);
+  const Projection out = solve_limited(model_of(*hand), x, q);
+  expect_inside(*hand, out.q_star);
+  EXPECT_EQ(out.status, ProjectionStatus::kUnreachable);
+  EXPECT_GT(out.residual, 1e-4);
+  EXPECT_GT(expect_none_nearer(*hand, x, out, 1e-4), 300);
+}
+
+TEST(MechanismLimits, AllocateNothing) {
+  const Limited map = disk(true);
+  const ProjectionModel model = model_of(map);
+  ProxySolver solver(model);
+  Projection out;
+  const VecX x = two(0.9, 0.2);
+  const VecQ seed = two(0.1, 0.0);
+  const VecA Z_q = VecA::Constant(1, 1500.0);
+  solver.solve(x, seed, Z_q, out);
+  const test::AllocationGuard allocations;
+  solver.solve(x, seed, Z_q, out);
+  EXPECT_EQ(allocations.allocations(), 0u);
+}
+
+}  // namespace
+}  // namespace haptic::core

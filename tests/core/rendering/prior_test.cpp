@@ -1,0 +1,288 @@
+// core/METHOD.md#projection-algorithm, case B: the prior where J does not have full column rank.
+// Cases 9b, 12, 25 of core/METHOD.md#hard-cases.
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/rendering/proxy_solver.hpp"
+#include "haptic/core/rendering/renderer.hpp"
+#include "tests/core/linear/random_matrix.hpp"
+#include "tests/core/rendering/function_map.hpp"
+#include "tests/support/dense_oracle.hpp"
+
+namespace haptic::core {
+namespace {
+
+using samples::FunctionMap;
+using samples::gaussian;
+
+const VecA kZ_q = (VecA(2) << 1.0, 50.0).finished();
+const VecX kX = (VecX(2) << 0.5, 0.9).finished();
+
+ProjectionSettings with_prior(double mu, const VecQ& M_n, IterationLimits iteration = {}) {
+  ProjectionSettings settings;
+  settings.prior = Prior{mu, M_n};
+  settings.iteration = iteration;
+  return settings;
+}
+
+constexpr IterationLimits kToTheEnd{400, 1e-15};
+
+/// Work to the user around a circle of radius 0.15 about (.2, .1, .15) in the plane of q_i and q_j,
+/// relative to the sum of its parts' amounts. `force(q, first)` gives tau_a.
+template <typename Force>
+double loop_work(int i, int j, Force force) {
+  constexpr int kPoints = 1501;
+  double work = 0.0, amount = 0.0;
+  VecQ q, last_q;
+  VecA tau, last_tau;
+  for (int k = 0; k < kPoints; ++k) {
+    const double phase = 2.0 * std::numbers::pi * k / (kPoints - 1);
+    q = (VecQ(3) << .2, .1, .15).finished();
+    q[i] += 0.15 * std::cos(phase);
+    q[j] += 0.15 * std::sin(phase);
+    tau = force(q, k == 0);
+    if (k > 0) {
+      const double part = 0.5 * (tau + last_tau).dot((q - last_q).head(2));
+      work += part;
+      amount += std::abs(part);
+    }
+    last_q = q;
+    last_tau = tau;
+  }
+  return std::abs(work) / amount;
+}
+
+constexpr int kPlanes[3][2] = {{0, 1}, {0, 2}, {1, 2}};
+
+/// core/METHOD.md#curved-wide-map.
+TEST(Prior, NoCyclePumpsEnergy) {
+  const FunctionMap map = samples::wide_map();
+  for (const double mu : {1e-3, 0.1}) {
+    const ProjectionModel model(map, with_prior(mu, VecQ::Ones(1), kToTheEnd));
+    for (const auto& plane : kPlanes) {
+      Renderer renderer(RendererKind::kSubspaceExact, model);
+      const double work = loop_work(plane[0], plane[1], [&](const VecQ& q, bool first) {
+        VecX x_probe, dx;
+        MatXQ J;
+        static_cast<void>(map.evaluate(q, x_probe, J));
+        map.space().difference(kX, x_probe, dx);
+        Projection out;
+        renderer.project(Probe{q, x_probe, J}, kX, dx, kZ_q, first, out);
+        EXPECT_EQ(out.status, ProjectionStatus::kConverged);
+        return VecA(kZ_q.cwiseProduct((out.q_star - q).head(2)));
+      });
+      EXPECT_LT(work, 1e-11) << "mu " << mu << ", plane " << plane[0] << plane[1];
+    }
+  }
+}
+
+/// The same circles with what core/METHOD.md#projection-algorithm forbids: the check above must be
+/// able to fail.
+TEST(Prior, LiveReferenceOrOtherMetricPumps) {
+  const FunctionMap map = samples::wide_map();
+  for (const double mu : {1e-3, 0.1}) {
+    const ProjectionModel model(map, with_prior(mu, VecQ::Ones(1), kToTheEnd));
+    const auto pumped = [&](int i, int j, const VecQ& M) {
+      ProxySolver solver(model);
+      Projection out;
+      return loop_work(i, j, [&](const VecQ& q, bool first) {
+        solver.set_prior((mu * M).cwiseSqrt(), q);  // q_n^ref live
+        const VecQ seed = first ? q : out.q_star;
+        solver.solve(kX, seed, kZ_q, out);
+        return VecA(kZ_q.cwiseProduct((out.q_star - q).head(2)));
+      });
+    };
+    EXPECT_GT(pumped(1, 2, (VecQ(3) << 1.0, 50.0, 1.0).finished()), 0.1) << mu;
+    for (const auto& plane : kPlanes) {
+      EXPECT_GT(pumped(plane[0], plane[1], VecQ::Ones(3)), 0.1) << mu << plane[0] << plane[1];
+    }
+  }
+}
+
+/// tau_a = -dV/dq_a with V = 1/2 ||q*_a - q_a||^2_{Z_q} + storage, by differences.
+TEST(Prior, ForceIsMinusTheEnergysGradient) {
+  const FunctionMap map = samples::wide_map();
+  const ProjectionModel model(map, with_prior(0.05, VecQ::Constant(1, 3.0), kToTheEnd));
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> anywhere(-0.3, 0.3);
+  for (int trial = 0; trial < 200; ++trial) {
+    const VecQ q = (VecQ(3) << anywhere(random), anywhere(random), anywhere(random)).finished();
+    SubspaceExact exact(model);
+    VecX x_probe = VecX::Zero(2);
+    MatXQ J = MatXQ::Zero(2, 3);
+    bool first = true;
+    VecA tau = VecA::Zero(2);
+    const auto energy = [&](const VecQ& at) {
+      Projection out;
+      exact.project(Probe{at, x_probe, J}, kX, {}, kZ_q, first, out);
+      first = false;
+      double spring = 0.0;
+      for (int i = 0; i < 2; ++i) {
+        tau[i] = kZ_q[i] * (out.q_star[i] - at[i]);
+        spring += 0.5 * tau[i] * tau[i] / kZ_q[i];
+      }
+      return spring + out.storage;
+    };
+    energy(q);  // q_n^ref = q_n from here on
+    for (int i = 0; i < 2; ++i) {
+      constexpr double h = 1e-5;
+      VecQ up = q, down = q;
+      up[i] += h;
+      down[i] -= h;
+      const double slope = (energy(up) - energy(down)) / (2.0 * h);
+      energy(q);
+      ASSERT_NEAR(-slope, tau[i], 1e-6 * (1.0 + std::abs(tau[i])));
+    }
+  }
+}
+
+/// On a linear map the minimum is a linear system, written out here.
+TEST(Prior, LinearMapSolvesTheNormalEquations) {
+  std::mt19937_64 random(4);
+  for (int trial = 0; trial < 500; ++trial) {
+    const int n_x = 1 + trial % 4, n_q = 2 + trial % 5, n_a = 1 + trial % (n_q - 1);
+    const Eigen::MatrixXd A = gaussian(random, n_x, n_q);
+    const FunctionMap map(
+        samples::dofs(n_q, n_a, 1e6), samples::coordinates(n_x),
+        [A](const VecQ& q) { return VecX(A * q); }, [A](const VecQ&) { return MatXQ(A); });
+    const double mu = std::pow(10.0, -trial % 4);
+    VecQ M = gaussian(random, n_q, 1).cwiseAbs() + Eigen::VectorXd::Constant(n_q, 0.1);
+    const VecA Z_q = M.head(n_a);
+    const ProjectionModel model(map, with_prior(mu, M.tail(n_q - n_a)));
+    const VecQ q0 = gaussian(random, n_q, 1), q1 = gaussian(random, n_q, 1);
+    const VecX x = gaussian(random, n_x, 1);
+    VecQ target = q1;
+    target.tail(n_q - n_a) = q0.tail(n_q - n_a);
+    const Eigen::VectorXd want = oracle::regularised_least_squares(A, x, mu * M, target);
+    for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
+      Renderer renderer(kind, model);
+      Projection out;
+      const MatXQ J = A;
+      const VecX at0 = A * q0, at1 = A * q1, d0 = x - at0, d1 = x - at1;
+      renderer.project(Probe{q0, at0, J}, x, d0, Z_q, true, out);
+      renderer.project(Probe{q1, at1, J}, x, d1, Z_q, false, out);  // q_n^ref stays that of q0
+      ASSERT_LT((out.q_star - want).norm(), 1e-10 * (1.0 + want.norm()) / mu) << name(kind);
+    }
+  }
+}
+
+/// core/METHOD.md#rank-and-prior: Z_q S (A + mu M)^{-1} A S^T is symmetric and positive
+/// semidefinite for every J, mu.
+TEST(Prior, TheRenderedStiffnessIsPositiveSemidefinite) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> decade(-3.0, 3.0);
+  for (int trial = 0; trial < 1000; ++trial) {
+    const int n_x = 1 + trial % 3, n_q = 4;
+    const MatXQ J = gaussian(random, n_x, n_q);
+    const FunctionMap map(
+        samples::dofs(n_q, 2, 1e9), samples::coordinates(n_x),
+        [J](const VecQ& q) { return VecX(J * q); }, [J](const VecQ&) { return J; });
+    const VecA Z_q =
+        (VecA(2) << std::pow(10.0, decade(random)), std::pow(10.0, decade(random))).finished();
+    const ProjectionModel model(map, with_prior(std::pow(10.0, decade(random)), VecQ::Ones(2)));
+    SubspaceLinear linear(model);
+    Eigen::Matrix2d K;  // -d tau_a / dq_a, x and q_n held
+    VecA tau_0;
+    for (int column = -1; column < 2; ++column) {
+      VecQ q = VecQ::Zero(n_q);
+      if (column >= 0) q[column] = 1.0;
+      const VecX at = J * q, dx = -at;
+      Projection out;
+      linear.project(Probe{q, at, J}, {}, dx, Z_q, column < 0, out);
+      const VecA tau = Z_q.cwiseProduct((out.q_star - q).head(2));
+      if (column < 0) {
+        tau_0 = tau;
+      } else {
+        K.col(column) = tau_0 - tau;
+      }
+    }
+    const double size = K.norm();
+    ASSERT_LT((K - K.transpose()).norm(), 1e-9 * size + 1e-12);
+    const Eigen::Matrix2d even = 0.5 * (K + K.transpose());
+    ASSERT_GE(oracle::smallest_eigenvalue(even), -1e-9 * size - 1e-12);
+    // Never stiffer than the actuators' own springs.
+    const Eigen::Matrix2d left = Eigen::Matrix2d(Z_q.asDiagonal()) - even;
+    ASSERT_GE(oracle::smallest_eigenvalue(left), -1e-9 * Z_q.norm());
+  }
+}
+
+TEST(Prior, UnseenDirectionHasNoForce) {
+  const MatXQ J = (MatXQ(1, 2) << 1.0, 0.0).finished();  // the second actuator moves nothing in X
+  const FunctionMap map(
+      samples::dofs(2, 2, 10.0), samples::coordinates(1),
+      [J](const VecQ& q) { return VecX(J * q); }, [J](const VecQ&) { return J; });
+  const ProjectionModel model(map, with_prior(0.01, VecQ()));
+  for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
+    Renderer renderer(kind, model);
+    for (double far : {0.0, 0.5, -3.0}) {
+      const VecQ q = (VecQ(2) << 0.1, far).finished();
+      const VecX at = J * q, x = VecX::Constant(1, 0.3), dx = x - at;
+      Projection out;
+      renderer.project(Probe{q, at, J}, x, dx, kZ_q, far == 0.0, out);
+      EXPECT_NEAR(out.q_star[1], far, 1e-12) << name(kind);
+      EXPECT_GT(out.q_star[0], 0.25) << name(kind);
+    }
+  }
+}
+
+/// core/METHOD.md#hand-without-prior, and 3.2: without a prior the hand is refused, with one it is
+/// calm.
+TEST(Prior, PointsOfAHandNeedOne) {
+  const FunctionMap hand = samples::hand(2);
+  EXPECT_THROW(require_rank(ProjectionModel(hand)), SceneError);
+  EXPECT_NO_THROW(require_rank(ProjectionModel(samples::hand(4))));  // its points do determine it
+  // The weights of core/METHOD.md#larger-devices: 0.1 per m of the wrist, 5 mm per rad elsewhere.
+  VecQ M_n(12);
+  M_n << VecQ::Constant(3, 400.0), VecQ::Ones(9);
+  const ProjectionModel model(hand, with_prior(2.5e-5, M_n));
+  EXPECT_NO_THROW(require_rank(model));
+
+  std::mt19937_64 random(25);
+  std::normal_distribution<double> noise(0.0, 0.003);
+  double with = 0.0, without = 0.0;
+  const VecA Z_q = VecA::Ones(2);
+  for (int trial = 0; trial < 300; ++trial) {
+    VecQ q(14);
+    for (int i = 0; i < 14; ++i) {
+      const DofSpec& dof = hand.dofs()[static_cast<std::size_t>(i)];
+      q[i] = std::uniform_real_distribution<double>(dof.lower, dof.upper)(random);
+    }
+    VecX x_probe;
+    MatXQ J;
+    static_cast<void>(hand.evaluate(q, x_probe, J));
+    VecX x = x_probe;
+    for (int i = 0; i < 18; ++i) x[i] += noise(random);
+    const VecX dx = x - x_probe;
+    Projection out;
+    Renderer(RendererKind::kSubspaceLinear, model).project({q, x_probe, J}, x, dx, Z_q, true, out);
+    ASSERT_TRUE(out.q_star.allFinite());
+    with = std::max(with, (out.q_star - q).cwiseAbs().maxCoeff());
+    Renderer(RendererKind::kSubspaceLinear, hand).project({q, x_probe, J}, x, dx, Z_q, true, out);
+    without = std::max(without, (out.q_star - q).cwiseAbs().maxCoeff());
+  }
+  EXPECT_LT(with, 1.0);     // rad: 3 mm at a phalanx of 20 mm is 0.15 rad
+  EXPECT_GT(without, 5.0);  // what the refusal is for
+  RecordProperty("with", std::to_string(with));
+  RecordProperty("without", std::to_string(without));
+}
+
+TEST(Prior, RefusesWrongSizes) {
+  const FunctionMap wide = samples::wide_map();
+  EXPECT_THROW(require_rank(ProjectionModel(wide)), SceneError);
+  EXPECT_NO_THROW(require_rank(ProjectionModel(wide, with_prior(0.1, VecQ::Ones(1)))));
+  EXPECT_THROW(ProjectionModel(wide, with_prior(0.1, VecQ::Ones(2))), SceneError);
+  EXPECT_THROW(ProjectionModel(wide, with_prior(0.1, VecQ::Zero(1))), SceneError);
+  EXPECT_THROW(ProjectionModel(wide, with_prior(0.0, VecQ::Ones(1))), SceneError);
+  const auto finger = make_finger_exoskeleton(finger_sign_change());
+  EXPECT_NO_THROW(require_rank(ProjectionModel(*finger)));
+  EXPECT_THROW(ProjectionModel(*finger, with_prior(0.1, VecQ::Ones(1))), SceneError);
+}
+
+}  // namespace
+}  // namespace haptic::core

@@ -1,0 +1,379 @@
+// The parts of the service that need no socket.
+#include <gtest/gtest.h>
+
+#include "haptic/core/error.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/model/hand_exoskeleton.hpp"
+#include "haptic/v1/haptic_service.pb.h"
+#include "haptic/wire/datagram.hpp"
+#include "server/front/grpc/reply.hpp"
+#include "server/front/net/listen_address.hpp"
+#include "server/front/service/broadcaster.hpp"
+#include "server/front/service/state_frame.hpp"
+#include "server/front/session/messages.hpp"
+#include "server/front/session/pace.hpp"
+#include "server/front/session/refusals.hpp"
+#include "server/front/session/sample_ledger.hpp"
+#include "server/state/state_message.hpp"
+
+namespace haptic::server {
+namespace {
+
+using namespace std::chrono_literals;
+
+int sent_of(Pace& pace, int ticks, int step = 1) {
+  int sent = 0;
+  for (int tick = 0; tick < ticks; tick += step) {
+    if (!pace.due(static_cast<std::uint64_t>(tick))) continue;
+    pace.sent(static_cast<std::uint64_t>(tick));
+    ++sent;
+  }
+  return sent;
+}
+
+TEST(Pace, KeepsRatesThatDoNotDivide) {
+  Pace thirty(1000.0, 30.0);
+  EXPECT_EQ(sent_of(thirty, 10000), 300);
+  EXPECT_EQ(thirty.conflated(), 0U);
+  Pace seven_hundred(1000.0, 700.0);
+  EXPECT_NEAR(sent_of(seven_hundred, 10000), 7000, 1);
+}
+
+TEST(Pace, RateZeroIsEveryTick) {
+  Pace pace(1000.0, 0.0);
+  EXPECT_EQ(sent_of(pace, 100), 100);
+}
+
+TEST(Pace, CountsWhatWasDueUnsent) {
+  Pace pace(1000.0, 0.0);
+  EXPECT_EQ(sent_of(pace, 100, 4), 25);  // busy three ticks of four
+  EXPECT_EQ(pace.conflated(), 24U * 3U);
+}
+
+TEST(SampleLedger, ReportsSamplesAndRejectionsInTime) {
+  const core::TimePoint t0{1h};
+  SampleLedger ledger;
+  ledger.look(t0);
+  EXPECT_FALSE(ledger.due());
+  ledger.book(1, {});
+  ledger.look(t0);
+  ASSERT_TRUE(ledger.due());
+  EXPECT_EQ(ledger.tell().accepted(), 1U);
+  ledger.book(2, {});
+  ledger.look(t0 + 49ms);
+  EXPECT_FALSE(ledger.due());
+  ledger.book(3, {IngressVerdict::kNotFinite, "position[0] = nan"});
+  ledger.look(t0 + 49ms);
+  ASSERT_TRUE(ledger.due());
+  const v1::SampleAck ack = ledger.tell();
+  EXPECT_EQ(ack.accepted(), 2U);
+  EXPECT_EQ(ack.rejected_invalid(), 1U);
+  EXPECT_EQ(ack.newest_seq(), 2U);
+  EXPECT_EQ(ack.last_rejection(), "position[0] = nan");
+  ledger.look(t0 + 10s);
+  EXPECT_FALSE(ledger.due());  // nothing new to tell
+}
+
+TEST(WatchBudget, GivesItsRateAndKeepsLittle) {
+  WatchBudget budget(1000.0);
+  core::TimePoint now{1h};
+  int given = 0;
+  for (int i = 0; i < 1000; ++i) {
+    budget.refill(now += 1ms);
+    while (budget.left()) {
+      budget.take();
+      ++given;
+    }
+  }
+  EXPECT_NEAR(given, 1000, 5);
+  budget.refill(now += 10s);
+  int burst = 0;
+  for (; budget.left(); ++burst) budget.take();
+  EXPECT_LE(burst, 4);
+}
+
+StateRecord record() {
+  return {.tick = 77,
+          .now = core::TimePoint(3s),
+          .state = core::LifecycleState::kEngaged,
+          .gain = 0.5,
+          .lease_epoch = 7,
+          .carrier = Carrier::kUdp,
+          .q = {0.125, 0.125},
+          .tau_a = {-1.5},
+          .stiffness = {100.0}};
+}
+
+TEST(StateFrame, SharedBytesAreTheMessagesBytes) {
+  const StateRecord r = record();
+  v1::WatchResponse expected;
+  *expected.mutable_state() = StateMessage().write(r);
+  expected.set_conflated(123456);
+  StateFrame frame;
+  frame.begin(r);
+  grpc::Slice slice;
+  ASSERT_TRUE(to_buffer(frame.for_watch(123456)).DumpToSingleSlice(&slice).ok());
+  v1::WatchResponse parsed;
+  ASSERT_TRUE(parsed.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
+  EXPECT_EQ(parsed.SerializeAsString(), expected.SerializeAsString());
+  ASSERT_TRUE(to_buffer(frame.for_session()).DumpToSingleSlice(&slice).ok());
+  v1::SessionResponse session;
+  ASSERT_TRUE(session.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
+  EXPECT_EQ(session.state().SerializeAsString(), expected.state().SerializeAsString());
+  EXPECT_EQ(session.state().seq(), 77U);
+  EXPECT_EQ(session.state().transport(), v1::TRANSPORT_UDP);
+  EXPECT_EQ(session.state().lease_epoch(), 7U);
+  EXPECT_EQ(session.state().server_time_ns(), 3'000'000'000);
+  EXPECT_EQ(session.state().stiffness_in_effect(0), 50.0);
+  EXPECT_EQ(session.state().state(), v1::DEVICE_STATE_NAME_ENGAGED);
+}
+
+TEST(StateFrame, EnergyBookIsPresentIfConfigured) {
+  StateRecord r = record();
+  r.active_planes = 5;
+  r.unexplained = 0.25;
+  r.passivity.on = true;
+  r.passivity.tank = 0.003;
+  r.passivity.storage = 0.002;
+  r.passivity.scale = 0.5;
+  r.passivity.observed = -1e-4;
+  r.passivity.alpha = 2e-4;
+  StateMessage message;
+  const v1::DeviceState& state = message.write(r);
+  EXPECT_EQ(state.active_planes(), 5U);
+  EXPECT_EQ(state.unexplained(), 0.25);
+  ASSERT_TRUE(state.has_passivity());
+  EXPECT_EQ(state.passivity().tank(), 0.003);
+  EXPECT_EQ(state.passivity().storage(), 0.002);
+  EXPECT_EQ(state.passivity().scale(), 0.5);
+  EXPECT_EQ(state.passivity().observed(), -1e-4);
+  EXPECT_EQ(state.passivity().alpha(), 2e-4);
+  r.passivity.on = false;
+  static_cast<void>(message.write(r));
+  EXPECT_FALSE(state.has_passivity());
+}
+
+TEST(StateFrame, CertificateIsPresentIfConfigured) {
+  StateRecord r = record();
+  r.certificate.status = core::CertificateStatus::kComputed;
+  r.certificate.block = 3;
+  r.certificate.margin = -0.25;
+  StateMessage message;
+  const v1::DeviceState& state = message.write(r);
+  ASSERT_TRUE(state.has_certificate());
+  EXPECT_EQ(state.certificate().status(), v1::CERTIFICATE_STATUS_COMPUTED);
+  EXPECT_EQ(state.certificate().margin(), -0.25);
+  EXPECT_EQ(state.certificate().block(), 3U);
+  r.certificate.status = core::CertificateStatus::kOff;
+  static_cast<void>(message.write(r));
+  EXPECT_FALSE(state.has_certificate());
+}
+
+/// For a square J the metric reads J^T W J = diag(Z_q, eps k_x ||J_n||^2) (coupling_metric.hpp).
+TEST(StateFrame, MetricUsesTheTicksPose) {
+  const std::shared_ptr<const core::Kinematics> finger = core::make_finger_exoskeleton({});
+  StateRecord r = record();
+  const core::VecQ q = (core::VecQ(2) << 0.016, -0.26).finished();
+  r.q = {q.data(), 2};
+  r.stiffness = {900.0};
+  core::PipelineConfig config{.kinematics = finger};
+  StateFrame frame(StateMessage(config, 0.1));
+  const auto state_of = [&frame](const StateRecord& tick) {
+    frame.begin(tick);
+    const auto bytes = frame.for_datagram();
+    v1::DeviceState state;
+    EXPECT_TRUE(state.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())));
+    return state;
+  };
+  const v1::DeviceState state = state_of(r);
+  ASSERT_EQ(state.coupling_metric_size(), 1);
+  EXPECT_EQ(state.coupling_metric(0).coordinates(), 2U);
+  ASSERT_EQ(state.coupling_metric(0).lower_size(), 3);
+  const auto& w = state.coupling_metric(0).lower();
+  core::VecX x_probe;
+  core::MatXQ J;
+  ASSERT_EQ(finger->evaluate(q, x_probe, J), core::MapStatus::kOk);
+  const auto cost = [&](int a, int b) {
+    return J(0, a) * (w[0] * J(0, b) + w[1] * J(1, b)) +
+           J(1, a) * (w[1] * J(0, b) + w[2] * J(1, b));
+  };
+  EXPECT_NEAR(cost(0, 0), 900.0, 1e-6);
+  EXPECT_NEAR(cost(0, 1), 0.0, 1e-6);
+  EXPECT_NEAR(cost(1, 1), 0.1 * 900.0 * J.col(1).squaredNorm() / J.col(0).squaredNorm(), 1e-6);
+  r.q = {};  // no sample of the device yet
+  EXPECT_EQ(state_of(r).coupling_metric(0).lower_size(), 0);
+}
+
+TEST(LargestState, HandsMetricFitsPalmsDoesNot) {
+  core::PipelineConfig config{
+      .kinematics = core::make_hand_exoskeleton(
+          {{"thumb", {}}, {"index", {}}, {"middle", {}}, {"ring", {}}, {"little", {}}})};
+  const std::size_t plain = largest_state(config), coupled = largest_state(config, true);
+  EXPECT_GT(coupled, plain + 5 * 3 * 8);
+  EXPECT_LE(coupled, wire::kLargestPayload);
+  core::TrackedHandParameters hand;
+  for (const char* name : {"index", "middle", "ring", "little"}) {
+    hand.fingers.push_back({{name, {}}, {}});
+    for (const auto phalanx : {core::Phalanx::kProximal, core::Phalanx::kMiddle}) {
+      hand.outputs.push_back({name + std::to_string(hand.outputs.size()),
+                              name,
+                              phalanx,
+                              core::OutputKind::kPoint,
+                              {{0.03, 0.0, 0.0}, {}}});
+    }
+  }
+  config.kinematics = core::make_tracked_hand(hand);  // 24 coordinates in one block: 300 numbers
+  EXPECT_LE(largest_state(config), wire::kLargestPayload);
+  EXPECT_GT(largest_state(config, true), wire::kLargestPayload);
+}
+
+TEST(Messages, ASampleKeepsTheWiresCounts) {
+  v1::ProxySample sample;
+  sample.set_mode(v1::PROXY_MODE_PLANES);
+  for (int i = 0; i < 8; ++i) {
+    v1::Plane& plane = *sample.add_planes();
+    plane.add_normal(i + 1.0);
+    plane.set_offset(0.5 * i);
+  }
+  ProxySample taken;
+  from_proto(sample, taken);
+  EXPECT_EQ(taken.mode, core::ProxyMode::kPlanes);
+  EXPECT_EQ(taken.plane_count, 8U) << "as on the wire; the ingress refuses it";
+  EXPECT_EQ(taken.planes[5].normal.value[0], 6.0);
+  EXPECT_EQ(taken.planes[5].normal.count, 1U);
+  EXPECT_EQ(taken.planes[5].offset, 2.5);
+}
+
+TEST(Messages, ContactLiesBehindItsNormal) {
+  v1::ProxySample sample;
+  sample.set_device_seq_used(41);
+  v1::Plane& plane = *sample.add_planes();
+  plane.add_normal(1.0);
+  plane.add_normal(2.0);
+  plane.set_compliance(3.0);
+  plane.set_velocity(4.0);
+  plane.set_first_coordinate(1);
+  plane.set_id(5);
+  plane.set_mass(7.0);
+  plane.set_damping(8.0);
+  plane.set_ground_stiffness(9.0);
+  plane.set_load(10.0);
+  plane.add_curvature(6.0);
+  plane.set_uncertainty(0.0);
+  plane.set_object(11);
+  plane.add_object_direction(-1.0);
+  v1::Plane& long_one = *sample.add_planes();
+  for (int i = 0; i < 100; ++i) long_one.add_normal(1.0);
+  for (int i = 0; i < 100; ++i) long_one.add_curvature(1.0);
+  for (int i = 0; i < 100; ++i) long_one.add_object_direction(1.0);
+  ProxySample taken;
+  from_proto(sample, taken);
+  EXPECT_EQ(taken.tick_used, 41u);
+  const PlaneSample& first = taken.planes[0];
+  EXPECT_EQ(first.normal.count, 2u);
+  EXPECT_EQ(first.compliance, 3.0);
+  EXPECT_EQ(first.velocity, 4.0);
+  EXPECT_EQ(first.first_coordinate, 1u);
+  EXPECT_EQ(first.id, 5u);
+  EXPECT_EQ(first.mass, 7.0);
+  EXPECT_EQ(first.damping, 8.0);
+  EXPECT_EQ(first.ground_stiffness, 9.0);
+  EXPECT_EQ(first.load, 10.0);
+  EXPECT_EQ(first.object, 11u);
+  EXPECT_EQ(first.object_direction.count, 1u);
+  EXPECT_EQ(first.object_direction.value[0], -1.0);
+  EXPECT_EQ(taken.planes[1].object_direction.count, 100u) << "the ingress refuses it";
+  EXPECT_EQ(first.curvature_count, 1u);
+  EXPECT_EQ(first.normal.value[2], 6.0);
+  EXPECT_EQ(first.tells_uncertainty, 1u) << "0 is exact, not absent";
+  EXPECT_EQ(taken.planes[1].tells_uncertainty, 0u);
+  EXPECT_EQ(taken.planes[1].curvature_count, 100u) << "as on the wire; the ingress refuses it";
+}
+
+TEST(StateFrame, ANewTickIsSerialisedAgain) {
+  StateRecord r = record();
+  StateFrame frame;
+  frame.begin(r);
+  static_cast<void>(frame.for_session());
+  StateRecord next = record();
+  next.tick = 78;
+  next.q = {};
+  frame.begin(next);
+  grpc::Slice slice;
+  ASSERT_TRUE(to_buffer(frame.for_session()).DumpToSingleSlice(&slice).ok());
+  v1::SessionResponse session;
+  ASSERT_TRUE(session.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
+  EXPECT_EQ(session.state().seq(), 78U);
+  EXPECT_EQ(session.state().q_size(), 0);
+}
+
+TEST(Text, ClientCannotSteerATerminal) {
+  EXPECT_EQ(sanitised("a\x1b[2J\nb\x7f", 64), "a?[2J?b?");
+  EXPECT_EQ(sanitised("Gr\xc3\xbc\xc3\x9f", 64), "Gr\xc3\xbc\xc3\x9f");
+  EXPECT_EQ(sanitised("ab\xc3\xbc", 3), "ab");  // never half a character
+  EXPECT_EQ(sanitised("a\u009bb\u202ec\u2069d\u200fe\u061cf", 64), "a?b?c?d?e?f");
+  EXPECT_EQ(sanitised("\u00a0\u2010\u2026\u206a", 64), "\u00a0\u2010\u2026\u206a");
+}
+
+std::string refusal_of(const std::string& address) {
+  try {
+    check_listen_address(address);
+  } catch (const core::TransportError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ListenAddress, WithoutTlsServesOnlyThisHost) {
+  EXPECT_EQ(refusal_of("127.0.0.1:29470"), "");
+  EXPECT_EQ(refusal_of("127.8.9.1:0"), "");
+  EXPECT_EQ(refusal_of("localhost:1"), "");
+  EXPECT_EQ(refusal_of("[::1]:29470"), "");
+  for (const char* address : {"0.0.0.0:29470", "[::]:29470", "192.168.1.7:29470", "robot:1",
+                              "127.evil.example:1", "127.0.0.1.evil.example:1"}) {
+    EXPECT_NE(refusal_of(address).find(address), std::string::npos) << address;
+    EXPECT_NE(refusal_of(address).find("TLS"), std::string::npos) << address;
+  }
+}
+
+TEST(ListenAddress, OtherHostsNeedTlsOrFlag) {
+  using server::Protection;
+  for (const char* address : {"0.0.0.0:29470", "[::]:29470", "192.168.1.7:29470", "robot:1"}) {
+    for (const Protection best :
+         {Protection::kTls, Protection::kMutualTls, Protection::kInsecureLab}) {
+      EXPECT_EQ(check_listen_address(address, best), best);
+    }
+    EXPECT_NE(refusal_of(address).find("--insecure-lab"), std::string::npos);
+    EXPECT_NE(refusal_of(address).find("server.tls"), std::string::npos);
+  }
+  EXPECT_EQ(check_listen_address("127.0.0.1:0", Protection::kMutualTls), Protection::kMutualTls);
+  EXPECT_EQ(check_listen_address("127.0.0.1:0", Protection::kInsecureLab), Protection::kThisHost);
+  EXPECT_EQ(check_listen_address("unix:/nowhere/s", Protection::kTls), Protection::kThisHost);
+}
+
+TEST(ListenAddress, ReportsTheMissingProtection) {
+  using server::Protection;
+  EXPECT_EQ(server::weakness("robot:1", Protection::kMutualTls), "");
+  for (const Protection weak :
+       {Protection::kThisHost, Protection::kTls, Protection::kInsecureLab}) {
+    EXPECT_NE(server::weakness("robot:1", weak).find("robot:1"), std::string::npos);
+  }
+  EXPECT_NE(server::weakness("robot:1", Protection::kInsecureLab).find("--insecure-lab"),
+            std::string::npos);
+  // Without a certificate nobody is an operator (TlsTest).
+  const std::string no_certificates = server::weakness("robot:1", Protection::kTls);
+  EXPECT_NE(no_certificates.find("PRIORITY_PRIMARY at most"), std::string::npos);
+  EXPECT_EQ(no_certificates.find("OPERATOR"), std::string::npos);
+}
+
+TEST(ListenAddress, NonsenseIsNamed) {
+  for (const char* address : {"", "localhost", ":29470", "localhost:", "localhost:70000",
+                              "localhost:http", "unix:", "unix:relative"}) {
+    EXPECT_NE(refusal_of(address), "") << address;
+  }
+  EXPECT_NE(refusal_of("unix:/" + std::string(200, 'x')).find("107"), std::string::npos);
+  EXPECT_NE(refusal_of("unix:/etc").find("no socket"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace haptic::server

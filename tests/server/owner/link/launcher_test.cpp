@@ -1,0 +1,110 @@
+#include "server/owner/link/launcher.hpp"
+
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/wait.h>
+
+#include <csignal>
+#include <string>
+
+namespace {
+
+using haptic::server::Descriptor;
+using haptic::server::Launcher;
+using haptic::server::packet_pair;
+using Notice = Launcher::Notice;
+
+std::optional<Notice> wait_for(Launcher& launcher) {
+  pollfd wait{launcher.descriptor(), POLLIN, 0};
+  poll(&wait, 1, 60'000);
+  return launcher.next();
+}
+
+/// What a shell script that runs as a front says on its link.
+std::string told_by(const std::string& script, std::optional<int> loop_cpu = {}) {
+  Launcher launcher("/bin/sh", {"-c", "exec >&3; " + script}, {64U << 20U, 0, 5, loop_cpu});
+  auto [here, there] = packet_pair();
+  launcher.start(std::move(there));
+  while (const auto notice = wait_for(launcher)) {
+    if (notice->kind == Notice::Kind::kEnded) break;
+  }
+  std::string text;
+  std::array<char, 4096> bytes{};
+  for (ssize_t got = 0; (got = read(here.get(), bytes.data(), bytes.size())) > 0;) {
+    text.append(bytes.data(), static_cast<std::size_t>(got));
+  }
+  return text;
+}
+
+TEST(Launcher, TellsHowAFrontEnded) {
+  Launcher launcher("/bin/sh", {"-c", "exit 7"}, {});
+  auto [here, there] = packet_pair();
+  launcher.start(std::move(there));
+  const auto started = wait_for(launcher);
+  ASSERT_TRUE(started);
+  EXPECT_EQ(started->kind, Notice::Kind::kStarted);
+  const auto ended = wait_for(launcher);
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->kind, Notice::Kind::kEnded);
+  EXPECT_EQ(ended->pid, started->pid);
+  EXPECT_EQ(WEXITSTATUS(ended->status), 7);
+}
+
+TEST(Launcher, EndsAFrontThatHangs) {
+  Launcher launcher("/bin/sleep", {"1000"}, {});
+  auto [here, there] = packet_pair();
+  launcher.start(std::move(there));
+  const auto started = wait_for(launcher);
+  ASSERT_TRUE(started);
+  ASSERT_EQ(kill(started->pid, SIGSTOP), 0);
+  launcher.kill(started->pid);
+  const auto ended = wait_for(launcher);
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(WTERMSIG(ended->status), SIGKILL);
+}
+
+TEST(Launcher, FrontsEndWithIt) {
+  pid_t front = 0;
+  {
+    Launcher launcher("/bin/sleep", {"1000"}, {});
+    auto [here, there] = packet_pair();
+    launcher.start(std::move(there));
+    const auto started = wait_for(launcher);
+    ASSERT_TRUE(started);
+    front = started->pid;
+  }
+  for (int i = 0; i < 1000 && kill(front, 0) == 0; ++i) usleep(10'000);
+  EXPECT_NE(kill(front, 0), 0);
+}
+
+TEST(Launcher, OnlyFrontsAreKilled) {
+  Launcher launcher("/bin/sleep", {"1000"}, {});
+  launcher.kill(getpid());  // no child of the launcher
+  auto [here, there] = packet_pair();
+  launcher.start(std::move(there));
+  EXPECT_TRUE(wait_for(launcher));
+}
+
+TEST(Launcher, AFrontHasNoRights) {
+  const std::string said = told_by(
+      "ulimit -r; ulimit -d; grep -E '^(CapEff|CapBnd|CapPrm|NoNewPrivs)' /proc/self/status");
+  EXPECT_EQ(said,
+            "0\n65536\nCapPrm:\t0000000000000000\nCapEff:\t0000000000000000\n"
+            "CapBnd:\t0000000000000000\nNoNewPrivs:\t1\n");
+}
+
+TEST(Launcher, FrontsKeepOffTheLoopsCore) {
+  const std::string all = told_by("nproc"), others = told_by("nproc", 0);
+  const int cores = std::stoi(all);
+  EXPECT_EQ(std::stoi(others), cores == 1 ? 1 : cores - 1);
+  if (cores > 1) {
+    EXPECT_EQ(told_by("grep -c 'Cpus_allowed_list:.*\\b0\\b' /proc/self/status", 0), "0\n");
+  }
+}
+
+TEST(Launcher, AFrontInheritsItsLinkAlone) {
+  const Descriptor other(dup(2));  // dup() does not close on exec: the launcher has it, a front not
+  EXPECT_EQ(told_by("exec ls /proc/self/fd"), "0\n1\n2\n3\n4\n");  // 4: the folder that ls reads
+}
+
+}  // namespace

@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "contact_leverage.hpp"
+#include "haptic/core/contacts/contact_leverage.hpp"
 #include "haptic/core/error.hpp"
 
 namespace haptic::core {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact_leverage.hpp"
+#include "haptic/core/contacts/contact_leverage.hpp"
 #include "haptic/core/rendering/per_contact.hpp"
 
 namespace haptic::core {

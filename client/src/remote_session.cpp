@@ -145,7 +145,12 @@ DeviceState RemoteSession::wait_for_state(std::optional<std::chrono::millisecond
   const bool answered = changed_.wait_for(
       lock, patience, [this] { return states_.to_return() || reconnection_.over(); });
   if (states_.to_return() && !reconnection_.closed()) return states_.give_to_waiting();
-  if (answered) throw ClientError(ErrorReason::kClosed, "the session ended");
+  if (reconnection_.closed()) throw ClientError(ErrorReason::kClosed, "the session was closed");
+  if (answered) {
+    const ClientError& why = reconnection_.why();
+    throw ClientError(ErrorReason::kClosed, std::string("the session ended: ") + why.what(),
+                      why.server_reason());
+  }
   throw ClientError(ErrorReason::kTimeout,
                     "no state in " + std::to_string(patience.count()) + " ms");
 }

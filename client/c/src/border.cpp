@@ -35,6 +35,14 @@ constexpr int code_of(client::ErrorReason reason) {
 
 }  // namespace
 
+void refuse_in_a_child() {
+  static const pid_t first = getpid();
+  if (getpid() == first) return;
+  throw client::ClientError(client::ErrorReason::kClosed,
+                            "this process was forked from process " + std::to_string(first) +
+                                ", which has the connections: start a program of its own instead");
+}
+
 Handles<haptic_connection, client::Connection>& connections() {
   static auto& handles = *new Handles<haptic_connection, client::Connection>;
   return handles;
@@ -42,14 +50,12 @@ Handles<haptic_connection, client::Connection>& connections() {
 
 Handles<haptic_session, Session>& sessions() {
   static auto& handles = *new Handles<haptic_session, Session>;
-  static const pid_t process = getpid();
-  // A program may end with a session open: its threads stop before protobuf is taken down. A child
-  // that it forked has no such threads, and the connections are its parent's.
+  // A program may end with a session open: its threads stop before protobuf is taken down.
   static const int at_exit = std::atexit([] {
-    if (getpid() != process) return;
-    for (const auto& session : sessions().take_all()) {
-      guarded(nullptr, [&] { (*session)->close(); });
-    }
+    guarded(nullptr, [] {
+      refuse_in_a_child();
+      for (const auto& session : sessions().take_all()) (*session)->close();
+    });
   });
   static_cast<void>(at_exit);
   return handles;
@@ -72,7 +78,8 @@ int report(haptic_error* error, const client::ClientError& why) noexcept {
   return report(error, code_of(why.reason()), why.what(), why.server_reason().c_str());
 }
 
-Session::Session(client::Connection& connection, client::SessionOptions options) {
+Session::Session(client::Connection& connection, client::SessionOptions options)
+    : observer_(options.observer), tracker_(options.tracker) {
   options.on_event = [this](const client::Event& event) {
     haptic_event told{};
     told.kind = static_cast<std::int32_t>(event.kind);
@@ -85,6 +92,8 @@ Session::Session(client::Connection& connection, client::SessionOptions options)
     told.kind = HAPTIC_EVENT_DISCONNECTED;
     told.state = will_retry ? 1 : 0;
     keep(told, why.server_reason(), why.what());
+    const std::lock_guard lock(mutex_);
+    if (!will_retry) ended_ = why;
   };
   session_ = connection.open(std::move(options));
   const client::DeviceInfo& device = session_->device();
@@ -106,6 +115,17 @@ void Session::keep(haptic_event event, const std::string& reason, const std::str
     ++lost_;
   }
   events_.push_back(event);
+}
+
+void Session::check_publisher(bool of_poses) {
+  if (observer_) refuse("an observer publishes nothing: open the session without `observer`");
+  if (tracker_ && !of_poses) refuse("a session with `tracker` publishes poses, not proxies");
+  if (!tracker_ && of_poses) refuse("only a session with `tracker` publishes poses");
+  const std::lock_guard lock(mutex_);
+  if (!ended_) return;
+  throw client::ClientError(client::ErrorReason::kClosed,
+                            std::string("the session ended: ") + ended_->what(),
+                            ended_->server_reason());
 }
 
 int Session::next_event(haptic_event& event) {

@@ -7,6 +7,8 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <optional>
+#include <stdexcept>
 #include <type_traits>
 #include <unordered_map>
 #include <vector>
@@ -16,6 +18,10 @@
 #include "structs.hpp"
 
 namespace haptic::c {
+
+/// Throws kClosed in a child of the process that connected first: the library's threads are its
+/// parent's, and so are the connections.
+void refuse_in_a_child();
 
 /// A session, and its events until they are asked for.
 class Session {
@@ -28,13 +34,18 @@ class Session {
   [[nodiscard]] client::Session* operator->() const { return session_.get(); }
   /// HAPTIC_OK or HAPTIC_NOTHING.
   int next_event(haptic_event& event);
+  /// Throws kInvalidArgument if it is of another role, and kClosed if the session ended.
+  void check_publisher(bool of_poses);
+  [[nodiscard]] std::size_t coordinates() const { return session_->device().coordinates.size(); }
 
  private:
   void keep(haptic_event event, const std::string& reason, const std::string& message);
 
+  const bool observer_, tracker_;
   std::mutex mutex_{};
   std::deque<haptic_event> events_{};
   std::uint64_t lost_{0};
+  std::optional<client::ClientError> ended_{};
   std::unique_ptr<client::Session> session_{};  ///< ends first: its callbacks use the others
 };
 
@@ -50,10 +61,12 @@ class Handles {
     return reinterpret_cast<Handle*>(next_);
   }
   [[nodiscard]] std::shared_ptr<Object> find(Handle* handle) {
+    refuse_in_a_child();  // another thread may hold the lock for ever
     const std::lock_guard lock(mutex_);
     return objects_.at(checked(handle));
   }
   [[nodiscard]] std::shared_ptr<Object> take(Handle* handle) {
+    refuse_in_a_child();
     const std::lock_guard lock(mutex_);
     return std::move(objects_.extract(checked(handle)).mapped());
   }
@@ -102,6 +115,8 @@ int guarded(haptic_error* error, Body body) noexcept {
     }
   } catch (const client::ClientError& why) {
     return report(error, why);
+  } catch (const std::out_of_range& why) {
+    return report(error, HAPTIC_ERROR_INVALID_ARGUMENT, why.what());
   } catch (const std::bad_alloc&) {
     return report(error, HAPTIC_ERROR_NO_MEMORY, "out of memory");
   } catch (const std::exception& why) {

@@ -14,6 +14,7 @@ int haptic_connect(const haptic_connect_options* options, haptic_connection** co
                    haptic_error* error) {
   return guarded(error, [&] {
     *given(connection, "connection") = nullptr;
+    refuse_in_a_child();
     const haptic_connect_options wanted = read(options, "options");
     const std::string address = given(wanted.address, "options->address");
     const client::TlsOptions tls{.ca_file = text_or(wanted.ca_file, ""),
@@ -30,6 +31,22 @@ int haptic_disconnect(haptic_connection* connection) {
   return guarded(nullptr, [&] { connections().take(connection).reset(); });
 }
 
+int haptic_server(haptic_connection* connection, haptic_server_info* info, haptic_error* error) {
+  return guarded(error, [&] {
+    const auto found = connections().find(connection);
+    sized(info, "info");
+    write(to_server_info(found->server_info()), info);
+  });
+}
+
+int haptic_health(haptic_connection* connection, const char* device, int32_t* healthy,
+                  haptic_error* error) {
+  return guarded(error, [&] {
+    *given(healthy, "healthy") = 0;
+    *healthy = connections().find(connection)->healthy(text_or(device, "")) ? 1 : 0;
+  });
+}
+
 int haptic_devices(haptic_connection* connection, haptic_device* devices, size_t capacity,
                    size_t* count, haptic_error* error) {
   return guarded(error, [&] {
@@ -37,20 +54,21 @@ int haptic_devices(haptic_connection* connection, haptic_device* devices, size_t
     if (capacity > 0) sized(devices, "devices");
     const std::vector<client::DeviceInfo> found = connections().find(connection)->devices();
     *count = found.size();
-    const std::size_t size = capacity > 0 ? devices->size : 0;
-    for (std::size_t i = 0; i < std::min(capacity, found.size()); ++i) {
-      auto* const to =
-          reinterpret_cast<haptic_device*>(reinterpret_cast<char*>(devices) + i * size);
-      to->size = size;
-      write(to_device(found[i]), to);
-    }
+    write_each(found, devices, capacity, to_device);
   });
 }
 
 int haptic_emergency_stop(haptic_connection* connection, const char* device, const char* reason,
-                          haptic_error* error) {
+                          char* stopped, size_t stopped_size, haptic_error* error) {
   return guarded(error, [&] {
-    connections().find(connection)->emergency_stop(text_or(device, ""), text_or(reason, ""));
+    if (stopped_size > 0) *given(stopped, "stopped") = '\0';
+    std::string names;
+    for (const std::string& name :
+         connections().find(connection)->emergency_stop(text_or(device, ""), text_or(reason, ""))) {
+      if (names.size() + name.size() + 2 > stopped_size) break;  // whole names only
+      names += (names.empty() ? "" : "\n") + name;
+    }
+    if (stopped_size > 0) std::memcpy(stopped, names.c_str(), names.size() + 1);
   });
 }
 

@@ -1,12 +1,15 @@
 #include "convert.hpp"
 
-#include <cmath>
+#include <optional>
+#include <sstream>
 
 #include "structs.hpp"
 
 namespace haptic::c {
 
 namespace {
+
+constexpr std::uint64_t kLongest = 1'000'000'000'000;  // ns, of a limit on age: the scene's is less
 
 /// `value` as an enumerator from 0 to `last`.
 template <typename Enum>
@@ -18,11 +21,19 @@ Enum enumerator(const char* name, std::int32_t value, Enum last) {
   return static_cast<Enum>(value);
 }
 
-void at_most(const char* name, std::uint32_t count, std::size_t most) {
-  if (count > most) {
-    refuse(std::string(name) + " = " + std::to_string(count) + ", must be at most " +
-           std::to_string(most));
+/// Texts, apart by `by`.
+std::string joined(const std::vector<std::string>& texts, char by) {
+  std::string all;
+  for (const std::string& text : texts) {
+    if (!all.empty()) all += by;
+    all += text;
   }
+  return all;
+}
+
+std::optional<std::chrono::nanoseconds> limit(std::uint64_t ns) {
+  if (ns == 0) return {};
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min<std::uint64_t>(ns, kLongest)));
 }
 
 }  // namespace
@@ -32,11 +43,23 @@ haptic_device to_device(const client::DeviceInfo& device) {
   write_text(device.name, to.name);
   write_text(device.kind, to.kind);
   write_text(device.model, to.model);
+  write_text(device.serial, to.serial);
+  write_text(device.calibrated, to.calibrated);
   write_text(device.controller, to.controller);
+  write_text(device.tracker, to.tracker);
+  write_text(joined(device.unguarded, ' '), to.unguarded);
   to.moves = device.moves ? 1 : 0;
   to.wants_tracker = device.wants_tracker ? 1 : 0;
+  to.measures_force = device.measures_force ? 1 : 0;
   to.state = static_cast<std::int32_t>(device.state);
+  to.renderer = static_cast<std::int32_t>(device.renderer);
   to.faults = device.faults;
+  to.observers = device.observers;
+  write_list(device.stiffness_limit, to.stiffness_limit);
+  write_list(device.damping_limit, to.damping_limit);
+  write_list(device.force_limit, to.force_limit);
+  write_list(device.slew_limit, to.slew_limit);
+  write_list(device.engage_window, to.engage_window);
   to.loop_rate_hz = device.loop_rate_hz;
   to.dof_count = static_cast<std::uint32_t>(device.dofs.size());
   to.coordinate_count = static_cast<std::uint32_t>(device.coordinates.size());
@@ -61,37 +84,26 @@ haptic_device to_device(const client::DeviceInfo& device) {
   return to;
 }
 
-haptic_state to_state(const client::DeviceState& state) {
-  haptic_state to{};
-  to.seq = state.seq;
-  to.server_time_ns = state.server_time_ns;
-  to.proxy_seq_used = state.proxy_seq_used;
-  to.proxy_age_us = static_cast<std::uint64_t>(state.proxy_age.count());
-  to.state = static_cast<std::int32_t>(state.state);
-  to.mode = static_cast<std::int32_t>(state.mode);
-  to.staleness = static_cast<std::int32_t>(state.staleness);
-  to.carrier = static_cast<std::int32_t>(state.carrier);
-  to.lease_epoch = state.lease_epoch;
-  to.faults = state.faults;
-  to.limiters = state.limiters;
-  to.active_planes = state.active_planes;
-  to.gain = state.gain;
-  write_list(state.q, to.q);
-  write_list(state.q_dot, to.q_dot);
-  write_list(state.x_probe, to.x_probe);
-  write_list(state.x, to.x);
-  write_list(state.q_star, to.q_star);
-  write_list(state.tau_a, to.tau_a);
-  write_list(state.tau_elastic, to.tau_elastic);
-  write_list(state.error_bound, to.error_bound);
-  write_list(state.stiffness_in_effect, to.stiffness_in_effect);
-  write_list(state.tau_measured, to.tau_measured);
-  write_list(state.temperature_c, to.temperature_c);
-  to.projection = static_cast<std::int32_t>(state.projection);
-  to.derating = static_cast<std::int32_t>(state.derating);
-  to.derating_delay_us = static_cast<std::uint64_t>(state.derating_delay.count());
-  to.condition = state.condition;
-  to.unexplained = state.unexplained;
+haptic_server_info to_server_info(const client::ServerInfo& info) {
+  haptic_server_info to{};
+  write_text(info.version, to.version);
+  write_text(info.protocol, to.protocol);
+  write_text(info.scene, to.scene);
+  write_text(info.realtime_grade, to.realtime_grade);
+  write_text(info.realtime_explanation, to.realtime_explanation);
+  write_text(joined(info.insecure, '\n'), to.insecure);
+  to.ticks = info.ticks;
+  to.skipped_ticks = info.skipped_ticks;
+  to.records_dropped = info.records_dropped;
+  to.lateness_p50_us = info.lateness_p50_us;
+  to.lateness_p99_us = info.lateness_p99_us;
+  to.lateness_max_us = info.lateness_max_us;
+  to.tick_p50_us = info.tick_p50_us;
+  to.tick_p99_us = info.tick_p99_us;
+  write_text(info.paced_by, to.paced_by);
+  to.paced_by_sample = info.paced_by_sample;
+  to.uptime_ns = static_cast<std::uint64_t>(info.uptime.count());
+  to.sessions = info.sessions;
   return to;
 }
 
@@ -105,6 +117,14 @@ haptic_settings to_settings(const client::AppliedSettings& settings) {
   to.renderer = static_cast<std::int32_t>(applied.renderer);
   if (applied.direction_guard) to.direction_guard = *applied.direction_guard ? 1 : 2;
   to.clamped = static_cast<std::uint32_t>(settings.clamped.size());
+  std::vector<std::string> why;
+  for (const client::AppliedSettings::Clamp& clamp : settings.clamped) {
+    std::ostringstream line;
+    line << clamp.field << " = " << clamp.asked << ": " << clamp.applied << " applied, "
+         << clamp.why;
+    why.push_back(line.str());
+  }
+  write_text(joined(why, '\n'), to.why_clamped);
   return to;
 }
 
@@ -125,55 +145,23 @@ client::SessionOptions to_options(const haptic_session_options& options) {
   to.device = text_or(options.device, "");
   to.client_name = text_or(options.client_name, to.client_name.c_str());
   to.observer = options.observer != 0;
+  to.tracker = options.tracker != 0;
   if (options.priority != 0) {
     to.priority = enumerator("options->priority", options.priority, client::Priority::kOperator);
   }
   if (options.nominal_rate_hz != 0.0) to.nominal_rate_hz = options.nominal_rate_hz;
   to.state_rate_hz = options.state_rate_hz;
-  if (options.stream_only != 0) to.carriers = client::Carriers::kGrpcOnly;
+  to.carriers = enumerator("options->carriers", options.carriers, client::Carriers::kUdpOnly);
   if (options.reconnect != 0) to.reconnect = client::Reconnect::kWithBackoff;
   to.re_engage = options.re_engage != 0;
   to.derive_planes = options.derive_planes != 0;
+  if (options.block_count > 0) given(options.blocks, "options->blocks");
+  to.blocks = to_blocks(options.blocks, options.block_count);
+  to.fresh_end = limit(options.fresh_end_ns);
+  to.hold_end = limit(options.hold_end_ns);
+  to.fade_end = limit(options.fade_end_ns);
   if (options.timeout_ms != 0) to.timeout = std::chrono::milliseconds(options.timeout_ms);
   return to;
-}
-
-client::Plane to_plane(const haptic_plane& plane, std::size_t coordinates) {
-  at_most("plane.curvature_count", plane.curvature_count, std::size(plane.curvature));
-  at_most("plane.object_direction_count", plane.object_direction_count,
-          std::size(plane.object_direction));
-  client::Plane to;
-  to.normal.assign(plane.normal, plane.normal + coordinates);
-  to.offset = plane.offset;
-  to.compliance = plane.compliance;
-  to.velocity = plane.velocity;
-  to.curvature.assign(plane.curvature, plane.curvature + plane.curvature_count);
-  to.first_coordinate = plane.first_coordinate;
-  to.id = plane.id;
-  to.mass = plane.mass;
-  to.damping = plane.damping;
-  to.ground_stiffness = plane.ground_stiffness;
-  to.load = plane.load;
-  if (plane.has_uncertainty != 0) to.uncertainty = plane.uncertainty;
-  to.object = plane.object;
-  to.object_direction.assign(plane.object_direction,
-                             plane.object_direction + plane.object_direction_count);
-  return to;
-}
-
-std::vector<double> to_position(const double* x, std::size_t count, std::size_t coordinates) {
-  given(x, "x");
-  if (count != coordinates) {
-    refuse("count = " + std::to_string(count) + ", must be " + std::to_string(coordinates) +
-           ", one value per coordinate of the device");
-  }
-  std::vector<double> position(x, x + count);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!std::isfinite(x[i])) {
-      refuse("x[" + std::to_string(i) + "] = " + std::to_string(x[i]) + ", must be finite");
-    }
-  }
-  return position;
 }
 
 }  // namespace haptic::c

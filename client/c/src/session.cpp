@@ -63,27 +63,65 @@ int haptic_wait_for_state(haptic_session* session, uint32_t timeout_ms, haptic_s
   });
 }
 
+int haptic_publish(haptic_session* session, const haptic_proxy* proxy, haptic_error* error) {
+  return guarded(error, [&] {
+    const auto found = sessions().find(session);
+    const haptic_proxy wanted = read(proxy, "proxy");
+    client::Proxy made{.device_seq_used = wanted.device_seq_used,
+                       .valid_for = std::chrono::microseconds(wanted.valid_for_us)};
+    const std::size_t coordinates = found->coordinates();
+    if (wanted.mode < HAPTIC_HELD || wanted.mode > HAPTIC_PLANES) {
+      refuse("proxy->mode = " + std::to_string(wanted.mode) + ", must be 1 to 3");
+    }
+    made.mode = static_cast<client::Mode>(wanted.mode);
+    if (wanted.mode != HAPTIC_FREE)
+      made.position = to_position(wanted.x, wanted.count, coordinates);
+    if (wanted.mode == HAPTIC_PLANES) {
+      made.planes = read_planes(wanted.planes, wanted.plane_count, coordinates);
+    }
+    found->check_publisher(false);
+    (*found)->publish(std::move(made));
+  });
+}
+
 int haptic_publish_free(haptic_session* session, haptic_error* error) {
-  return guarded(error, [&] { (*sessions().find(session))->publish(client::Proxy::free()); });
+  haptic_proxy proxy{};
+  proxy.size = sizeof proxy;
+  proxy.mode = HAPTIC_FREE;
+  return haptic_publish(session, &proxy, error);
 }
 
 int haptic_publish_held(haptic_session* session, const double* x, size_t count,
                         haptic_error* error) {
-  return guarded(error, [&] {
-    const auto found = sessions().find(session);
-    (*found)->publish(
-        client::Proxy::held(to_position(x, count, (*found)->device().coordinates.size())));
-  });
+  haptic_proxy proxy{};
+  proxy.size = sizeof proxy;
+  proxy.mode = HAPTIC_HELD;
+  proxy.x = x;
+  proxy.count = count;
+  return haptic_publish(session, &proxy, error);
 }
 
 int haptic_publish_planes(haptic_session* session, const double* x, size_t count,
                           const haptic_plane* planes, size_t plane_count, haptic_error* error) {
+  haptic_proxy proxy{};
+  proxy.size = sizeof proxy;
+  proxy.mode = HAPTIC_PLANES;
+  proxy.x = x;
+  proxy.count = count;
+  proxy.planes = planes;
+  proxy.plane_count = plane_count;
+  return haptic_publish(session, &proxy, error);
+}
+
+int haptic_publish_pose(haptic_session* session, const haptic_pose* pose, haptic_error* error) {
   return guarded(error, [&] {
     const auto found = sessions().find(session);
-    const std::size_t coordinates = (*found)->device().coordinates.size();
-    std::vector<double> position = to_position(x, count, coordinates);
-    (*found)->publish(
-        client::Proxy::behind(read_planes(planes, plane_count, coordinates), std::move(position)));
+    const haptic_pose wanted = read(pose, "pose");
+    client::Pose made{.valid_for = std::chrono::microseconds(wanted.valid_for_us)};
+    std::copy_n(wanted.position, made.position.size(), made.position.begin());
+    std::copy_n(wanted.orientation, made.orientation.size(), made.orientation.begin());
+    found->check_publisher(true);
+    (*found)->publish_pose(made);
   });
 }
 
@@ -148,6 +186,12 @@ int haptic_statistics_of(haptic_session* session, haptic_statistics* statistics,
     to.lease_epoch = (*found)->lease_epoch();
     to.connected = (*found)->connected() ? 1 : 0;
     write_text(counted.last_rejection, to.last_rejection);
+    if (const std::optional<client::UdpLink> udp = (*found)->udp_link()) {
+      to.udp_in_use = udp->in_use ? 1 : 0;
+      to.udp_round_trip_ns = udp->round_trip.count();
+      to.udp_received = udp->received;
+      to.udp_lost = udp->lost;
+    }
     write(to, statistics);
   });
 }

@@ -68,6 +68,17 @@ void write(const T& value, T* to) {
   to->size = size;
 }
 
+/// The first `capacity` of `values`, each of the size to[0].size, which sized() has checked.
+template <typename T, typename Value, typename Convert>
+void write_each(const std::vector<Value>& values, T* to, std::size_t capacity, Convert convert) {
+  const std::size_t count = std::min(capacity, values.size()), size = count > 0 ? to->size : 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    auto* const each = reinterpret_cast<T*>(reinterpret_cast<char*>(to) + i * size);
+    each->size = size;
+    write(convert(values[i]), each);
+  }
+}
+
 template <std::size_t kSize>
 void write_text(std::string_view text, char (&to)[kSize]) noexcept {
   std::size_t length = std::min(text.size(), kSize - 1);
@@ -80,8 +91,8 @@ void write_text(std::string_view text, char (&to)[kSize]) noexcept {
 }
 
 /// Opening a session made sure that no list is longer.
-template <typename List>
-void write_list(const std::vector<double>& values, List& to) {
+template <typename Value, typename List>
+void write_list(const std::vector<Value>& values, List& to) {
   constexpr std::size_t kMost = std::size(decltype(to.value){});
   to.count = static_cast<std::uint32_t>(std::min(values.size(), kMost));
   std::copy_n(values.begin(), to.count, to.value);

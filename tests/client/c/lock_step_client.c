@@ -10,8 +10,10 @@
 
 int main(int argc, char** argv) {
   const haptic_connect_options server = {.size = sizeof server, .address = argv[argc - 1]};
-  const haptic_session_options options = {
-      .size = sizeof options, .client_name = "in C", .nominal_rate_hz = 100, .stream_only = 1};
+  const haptic_session_options options = {.size = sizeof options,
+                                          .client_name = "in C",
+                                          .nominal_rate_hz = 100,
+                                          .carriers = HAPTIC_STREAM_ONLY};
   haptic_error error = {.size = sizeof error};
   haptic_connection* connection = NULL;
   haptic_session* session = NULL;

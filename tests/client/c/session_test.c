@@ -62,6 +62,12 @@ static void test_wrong_arguments(haptic_connection* connection, haptic_session* 
   opening.priority = 4;
   REFUSED(haptic_open(connection, &opening, &opened, &error), "options->priority = 4");
   opening.priority = 0;
+  opening.carriers = 3;
+  REFUSED(haptic_open(connection, &opening, &opened, &error), "options->carriers = 3");
+  opening.carriers = 0;
+  opening.block_count = 1;
+  REFUSED(haptic_open(connection, &opening, &opened, &error), "options->blocks is NULL");
+  opening.block_count = 0;
   CHECK(haptic_open(NULL, &opening, &opened, &error) == HAPTIC_ERROR_CLOSED);
   REFUSED(haptic_devices(connection, &device, 1, NULL, &error), "count is NULL");
   REFUSED(haptic_devices(connection, NULL, 1, &count, &error), "devices is NULL");
@@ -83,6 +89,14 @@ static void test_wrong_arguments(haptic_connection* connection, haptic_session* 
   REFUSED(haptic_next_event(session, NULL, &error), "event is NULL");
   REFUSED(haptic_statistics_of(session, NULL, &error), "statistics is NULL");
   REFUSED(haptic_device_of(session, NULL, &error), "device is NULL");
+  REFUSED(haptic_publish(session, NULL, &error), "proxy is NULL");
+  REFUSED(haptic_publish(session, &(haptic_proxy){.size = sizeof(haptic_proxy)}, &error),
+          "proxy->mode = 0");
+  REFUSED(haptic_publish_pose(session, NULL, &error), "pose is NULL");
+  REFUSED(haptic_publish_pose(session, &(haptic_pose){.size = sizeof(haptic_pose)}, &error),
+          "only a session with `tracker`");
+  REFUSED(haptic_server(connection, NULL, &error), "info is NULL");
+  REFUSED(haptic_health(connection, NULL, NULL, &error), "healthy is NULL");
   CHECK(haptic_publish_held((haptic_session*)connection, x, 2, NULL) == HAPTIC_ERROR_CLOSED);
   CHECK(haptic_newest_state((haptic_session*)x, NULL, NULL) == HAPTIC_ERROR_CLOSED);
 }
@@ -134,6 +148,69 @@ static void test_devices(haptic_connection* connection, haptic_session* session)
   CHECK(strcmp(device[1].coordinates[1].name, device[0].coordinates[1].name) == 0);
 }
 
+static void test_server(haptic_connection* connection) {
+  haptic_server_info info = {.size = sizeof info};
+  int32_t healthy = -1;
+  CHECK(haptic_server(connection, &info, &error) == HAPTIC_OK);
+  CHECK(strcmp(info.version, haptic_version()) == 0 && info.realtime_grade[0] != 0);
+  CHECK(strcmp(info.scene, "one finger at rest") == 0);
+  CHECK(haptic_health(connection, NULL, &healthy, &error) == HAPTIC_OK && healthy >= 0);
+  CHECK(haptic_health(connection, "glove", &healthy, &error) == HAPTIC_ERROR_NO_SUCH_DEVICE);
+}
+
+/* A ball of 0.1 m at the origin, touched by the point x itself: gap |x| - 0.1. */
+static void test_contacts(void) {
+  const double x[4] = {9.0, 0.0, 0.0, 0.3}, up[3] = {0.0, 0.0, 1.0};
+  haptic_contact contact = {.size = sizeof contact, .gap = 0.2, .stiffness = 400.0, .id = 7};
+  haptic_point point = {.size = sizeof point};
+  haptic_plane plane = {.size = sizeof plane}, planes[2] = {{.size = sizeof plane}};
+  haptic_coordinate kinds[4] = {{.kind = "linear"}, {.kind = "linear"}, {.kind = "linear"}};
+  const double probe[4] = {9.0, 0.0, 0.0, 0.1}, gradient[4] = {0.0, 0.0, 0.0, 1.0};
+  const haptic_block blocks[2] = {{0, 1}, {1, 3}};
+  size_t count = 0;
+  strcpy(kinds[3].kind, "linear");
+  CHECK(haptic_point_itself(x, 4, 1, &point, &error) == HAPTIC_OK);
+  CHECK(point.count == 3 && point.position[2] == 0.3 && point.jacobian[1][1] == 1.0);
+  contact.point = point;
+  memcpy(contact.normal, up, sizeof up);
+  CHECK(haptic_sphere_curvature(up, 0.3, contact.curvature, &error) == HAPTIC_OK);
+  CHECK(haptic_contact_at(x, 4, &contact, 0.02, &plane, &error) == HAPTIC_OK);
+  CHECK(plane.normal[0] == 0.0 && plane.normal[3] == -1.0 && plane.id == 7);
+  CHECK(fabs(plane.offset - (0.2 - 0.3)) < 1e-15 && plane.compliance == 0.02 / 400.0);
+  CHECK(plane.curvature_count == 6 && plane.first_coordinate == 1);
+  CHECK(fabs(plane.curvature[0] - 1.0 / 0.3) < 1e-12 && fabs(plane.curvature[5]) < 1e-12);
+  CHECK(haptic_contact_of_gap(x, gradient, 4, 0.2, &plane, &error) == HAPTIC_OK);
+  CHECK(plane.normal[3] == -1.0 && fabs(plane.offset + 0.1) < 1e-15 && plane.id == 0);
+  CHECK(haptic_derive_planes(kinds, x, probe, 4, blocks, 2, 1e-9, planes, 2, &count, &error) ==
+        HAPTIC_OK);
+  CHECK(count == 1 && planes[0].normal[3] < 0.0 && planes[0].normal[0] == 0.0);
+  CHECK(fabs(planes[0].offset / planes[0].normal[3] - 0.3) < 1e-12); /* through x */
+  CHECK(fabs(haptic_contact_horizon(100000000, 20000000, 0.3) - 0.036) < 1e-12);
+  CHECK(fabs(haptic_contact_horizon(0, 0, 0.0) - 0.1) < 1e-12);
+}
+
+static void test_wrong_contacts(void) {
+  const double x[2] = {0.1, 0.2}, lengths[1] = {0.045};
+  haptic_point point = {.size = sizeof point};
+  haptic_contact contact = {.size = sizeof contact};
+  haptic_plane plane = {.size = sizeof plane};
+  REFUSED(haptic_point_itself(x, 2, 0, &point, &error), "must lie within the 2 of x");
+  REFUSED(haptic_point_on_pose(x, 2, NULL, 0, &point, &error), "offset is NULL");
+  REFUSED(haptic_point_on_finger(lengths, 1, x, 2, 2, 0, 0, 0, &point, &error), "length_count = 1");
+  REFUSED(haptic_point_on_finger(lengths, 1, x, 2, 9, 0, 0, 0, &point, &error), "phalanx + 1 = 10");
+  REFUSED(haptic_point_on_joints(NULL, 1, contact.normal, 0, &point, &error), "joints is NULL");
+  REFUSED(haptic_point_on_joints(NULL, 9, contact.normal, 0, &point, &error), "joint_count = 9");
+  REFUSED(haptic_sphere_curvature(contact.normal, 0.0, contact.curvature, &error), "distance = 0");
+  REFUSED(haptic_contact_at(x, 2, &contact, 0.02, &plane, &error), "contact->point->size = 0");
+  contact.point.size = sizeof contact.point;
+  contact.point.count = 9;
+  REFUSED(haptic_contact_at(x, 2, &contact, 0.02, &plane, &error), "point.count = 9");
+  contact.point.count = 1;
+  REFUSED(haptic_contact_at(x, 2, &contact, 0.0, &plane, &error), "coupling = 0");
+  contact.object_direction_count = 7;
+  REFUSED(haptic_contact_at(x, 2, &contact, 1.0, &plane, &error), "object_direction_count = 7");
+}
+
 static void test_refusals_of_the_server(haptic_connection* connection, haptic_session* session) {
   haptic_session_options options = {.size = sizeof options, .device = "glove"};
   haptic_session* other = NULL;
@@ -175,8 +252,13 @@ static void test_force(haptic_session* session) {
   CHECK(haptic_update(session, &wanted, &applied, &error) == HAPTIC_OK);
   CHECK(applied.stiffness.count == 1 && applied.stiffness.value[0] == 800.0);
   CHECK(applied.clamped == 0 && applied.damping.value[0] == 0.5);
+  CHECK(applied.why_clamped[0] == 0);
   wanted.stiffness.value[0] = 1e9;
   CHECK(haptic_update(session, &wanted, &applied, &error) == HAPTIC_OK && applied.clamped == 1);
+  CHECK(strstr(applied.why_clamped, "stiffness[0] = 1e+09: ") != NULL);
+  wanted.renderer = 4; /* RENDERER_SUBSPACE_EXACT */
+  CHECK(haptic_update(session, &wanted, &applied, &error) == HAPTIC_ERROR_NOT_READY);
+  CHECK(strstr(error.message, "renderer") != NULL);
   CHECK(applied.stiffness.value[0] < 1e9);
   for (int i = 0; i < 4000 && (state.active_planes & 1U) == 0; ++i) {
     CHECK(haptic_wait_for_state(session, 10000, &state, &error) == HAPTIC_OK);
@@ -188,6 +270,9 @@ static void test_force(haptic_session* session) {
   CHECK(statistics.connected == 1 && statistics.accepted > 0 && statistics.round_trip_ns > 0);
   CHECK(haptic_release(session, &error) == HAPTIC_OK);
   publish_until(session, HAPTIC_ARMED, 0.0);
+  wanted.direction_guard = 1;
+  CHECK(haptic_update(session, &wanted, &applied, &error) == HAPTIC_OK);
+  CHECK(applied.renderer == 4 && applied.direction_guard == 1);
 }
 
 static void test_emergency_stop(haptic_connection* connection, haptic_session* session) {
@@ -196,7 +281,12 @@ static void test_emergency_stop(haptic_connection* connection, haptic_session* s
   haptic_state state = {.size = sizeof state};
   uint32_t cleared = 0;
   int told = 0;
-  CHECK(haptic_emergency_stop(connection, NULL, "a test in C", &error) == HAPTIC_OK);
+  char names[64] = "none";
+  CHECK(haptic_emergency_stop(connection, NULL, "a test in C", names, 3, &error) == HAPTIC_OK);
+  CHECK(names[0] == 0); /* no room for a whole name */
+  CHECK(haptic_emergency_stop(connection, NULL, "a test in C", names, sizeof names, &error) ==
+        HAPTIC_OK);
+  CHECK(strcmp(names, "finger") == 0);
   for (int i = 0; i < 4000 && !(told && state.state == HAPTIC_FAULT); ++i) {
     CHECK(haptic_wait_for_state(session, 10000, &state, &error) == HAPTIC_OK);
     while (haptic_next_event(session, &event, &error) == HAPTIC_OK) {
@@ -241,20 +331,34 @@ int __lsan_is_turned_off(void) {
   return is_child;
 }
 
-/* A child that ends takes nothing from its parent. */
-static void test_exit_of_a_child(haptic_session* session) {
+/* A child may neither use nor end what its parent has, even while the parent's threads work. */
+static void test_child(haptic_connection* connection, haptic_session* session,
+                       const char* address) {
   haptic_state state = {.size = sizeof state};
+  haptic_connect_options options = {.size = sizeof options, .address = address};
+  haptic_connection* made = NULL;
+  size_t count = 0;
   int status = -1;
   const pid_t child = fork();
   CHECK(child >= 0);
   if (child == 0) {
     is_child = 1;
     alarm(20); /* should exit() wait for the parent's threads */
+    CHECK(haptic_publish_free(session, &error) == HAPTIC_ERROR_CLOSED);
+    CHECK(strstr(error.message, "forked") != NULL);
+    CHECK(haptic_newest_state(session, &state, &error) == HAPTIC_ERROR_CLOSED);
+    CHECK(haptic_wait_for_state(session, 9000, &state, &error) == HAPTIC_ERROR_CLOSED);
+    CHECK(haptic_release(session, &error) == HAPTIC_ERROR_CLOSED);
+    CHECK(haptic_devices(connection, NULL, 0, &count, &error) == HAPTIC_ERROR_CLOSED);
+    CHECK(haptic_connect(&options, &made, &error) == HAPTIC_ERROR_CLOSED && made == NULL);
+    CHECK(haptic_close(session) == HAPTIC_ERROR_CLOSED);
+    CHECK(haptic_disconnect(connection) == HAPTIC_ERROR_CLOSED);
     exit(0);
   }
   CHECK(waitpid(child, &status, 0) == child && status == 0);
   for (int i = 0; i < 200; ++i) {
     CHECK(haptic_wait_for_state(session, 10000, &state, &error) == HAPTIC_OK);
+    CHECK(haptic_publish_free(session, &error) == HAPTIC_OK);
   }
 }
 
@@ -271,7 +375,10 @@ int main(int argc, char** argv) {
   test_longer_structs(connection, session);
   test_devices(connection, session);
   test_refusals_of_the_server(connection, session);
-  test_exit_of_a_child(session);
+  test_server(connection);
+  test_contacts();
+  test_wrong_contacts();
+  test_child(connection, session, argv[1]);
   test_force(session);
   test_emergency_stop(connection, session);
   test_close_while_waiting(connection, session);

@@ -1,6 +1,7 @@
 #ifndef HAPTIC_HAPTIC_TYPES_H
 #define HAPTIC_HAPTIC_TYPES_H
-/* The structs and constants of haptic.h.
+/* The structs and constants of haptic.h; those of a state and of contacts are in the two headers
+ * that this one includes.
  *
  * Every struct that is passed by pointer begins with `size`. Set it to sizeof of the struct, and
  * the rest to 0; in C: `haptic_state state = {.size = sizeof state};`. A later release adds fields
@@ -8,15 +9,14 @@
  * library of different releases understand each other: the program's unknown fields must be 0, and
  * what the library does not know it sets to 0. Structs without `size` never change.
  *
- * Lists are arrays of a fixed, largest length: no list of a device is longer than these two. So a
- * struct is copied as it is, nothing is allocated, and no pointer has an owner. Text is UTF-8, ends
- * with 0, and is cut at a whole character if it is too long. Units are SI.
+ * Lists are arrays of a fixed, largest length: no list of a device is longer than HAPTIC_MAX_DOFS
+ * or HAPTIC_MAX_COORDINATES. So a struct is copied as it is, nothing is allocated, and no pointer
+ * has an owner. Text is UTF-8, ends with 0, and is cut at a whole character if it is too long.
+ * Units are SI.
  */
-#include <stddef.h>
-#include <stdint.h>
+#include <haptic/haptic_contact.h>
+#include <haptic/haptic_state.h>
 
-#define HAPTIC_MAX_DOFS 24
-#define HAPTIC_MAX_COORDINATES 72
 #define HAPTIC_MAX_NAME 64
 
 /* What every function returns. */
@@ -44,21 +44,6 @@ typedef struct haptic_error {
   char message[512];                   /* for people */
 } haptic_error;
 
-/* Lifecycle of a device: haptic_state.state. Force is rendered from ENGAGING to RELEASING only. */
-enum {
-  HAPTIC_INIT = 1,
-  HAPTIC_IDLE = 2,
-  HAPTIC_ARMED = 3,
-  HAPTIC_ENGAGING = 4,
-  HAPTIC_ENGAGED = 5,
-  HAPTIC_RELEASING = 6,
-  HAPTIC_FAULT = 7,
-  HAPTIC_CLOSING = 8
-};
-enum { HAPTIC_HELD = 1, HAPTIC_FREE = 2, HAPTIC_PLANES = 3 };                 /* state.mode */
-enum { HAPTIC_FRESH = 1, HAPTIC_HOLD = 2, HAPTIC_FADE = 3, HAPTIC_LOST = 4 }; /* .staleness */
-enum { HAPTIC_BY_STREAM = 1, HAPTIC_BY_UDP = 2 };                             /* .carrier */
-
 typedef struct haptic_connect_options {
   size_t size;
   const char* address; /* "host:port" or "unix:/path" */
@@ -68,6 +53,21 @@ typedef struct haptic_connect_options {
   const char* key_file;
   const char* server_name; /* NULL: the host in the address */
 } haptic_connect_options;
+
+typedef struct haptic_server_info {
+  size_t size;
+  char version[HAPTIC_MAX_NAME], protocol[HAPTIC_MAX_NAME], scene[256];
+  char realtime_grade[HAPTIC_MAX_NAME], realtime_explanation[256]; /* which rights it was given */
+  char insecure[1024]; /* what is not protected, a line each; empty: nothing */
+  uint64_t ticks, skipped_ticks;
+  uint64_t records_dropped; /* ticks that are missing in recording and telemetry */
+  double lateness_p50_us, lateness_p99_us, lateness_max_us; /* of ticks, over the last 10 s */
+  double tick_p50_us, tick_p99_us;                          /* how long a tick took */
+  char paced_by[HAPTIC_MAX_NAME]; /* the device whose samples begin ticks; empty: the timer */
+  uint64_t paced_by_sample;       /* number of ticks that began so */
+  uint64_t uptime_ns;
+  uint32_t sessions;
+} haptic_server_info;
 
 typedef struct haptic_dof {
   char name[HAPTIC_MAX_NAME];
@@ -86,16 +86,29 @@ typedef struct haptic_coordinate {
 typedef struct haptic_device {
   size_t size;
   char name[HAPTIC_MAX_NAME], kind[HAPTIC_MAX_NAME], model[HAPTIC_MAX_NAME];
+  char serial[HAPTIC_MAX_NAME];         /* of a board; empty: it has none */
+  char calibrated[HAPTIC_MAX_NAME];     /* day of the calibration in use; empty: none is */
   char controller[HAPTIC_MAX_NAME + 1]; /* client_name of who has the lease; empty: none */
+  char tracker[HAPTIC_MAX_NAME + 1];    /* client_name of who publishes poses; empty: none */
+  char unguarded[HAPTIC_MAX_NAME];      /* safeguards that the scene leaves out, apart by blanks */
   int32_t moves;                        /* 0: a recording, which no force moves */
-  int32_t wants_tracker;
+  int32_t wants_tracker;                /* 1: a session with `tracker` has to publish poses */
+  int32_t measures_force;
   int32_t state;
+  int32_t renderer; /* a Renderer of session.proto */
   uint32_t faults;
+  uint32_t observers; /* how many sessions observe */
   double loop_rate_hz;
   uint32_t dof_count, actuated_count, coordinate_count;
   haptic_dof dofs[HAPTIC_MAX_DOFS];
   haptic_coordinate coordinates[HAPTIC_MAX_COORDINATES];
+  /* The most that haptic_update() may set, as in haptic_settings. */
+  haptic_dofs stiffness_limit, damping_limit, force_limit, slew_limit;
+  haptic_dofs engage_window; /* N or N m: force begins only while the spring's would be less */
 } haptic_device;
+
+enum { HAPTIC_STREAM_ONLY = 1, HAPTIC_UDP_ONLY = 2 }; /* options.carriers */
+enum { HAPTIC_PRIORITY_TEST = 1, HAPTIC_PRIORITY_PRIMARY = 2, HAPTIC_PRIORITY_OPERATOR = 3 };
 
 /* In options 0 and NULL select the default, which is said. */
 typedef struct haptic_session_options {
@@ -103,74 +116,30 @@ typedef struct haptic_session_options {
   const char* device;      /* NULL: the only device of the server */
   const char* client_name; /* "haptic client"; 1 to 64 bytes */
   int32_t observer;        /* 1: receives states, publishes nothing */
-  int32_t priority;        /* 1 test, 2 primary (default), 3 operator */
-  double nominal_rate_hz;  /* how often you will publish, 1 to 2000; default 60 */
-  double state_rate_hz;    /* states per second; default: one per tick */
-  int32_t stream_only;     /* 1: no UDP */
-  int32_t reconnect;       /* 1: a lost stream is opened again */
-  int32_t re_engage;       /* 1: force is asked for again after it was lost, never after a fault */
-  int32_t derive_planes;   /* 1: a held proxy is sent as contacts */
-  uint32_t timeout_ms;     /* of each call that waits for an answer; default 5000 */
+  int32_t tracker;         /* 1: publishes poses of the palm instead of proxies */
+  int32_t
+      priority; /* default HAPTIC_PRIORITY_PRIMARY; a higher one takes the device from a lower */
+  int32_t carriers;       /* default: UDP while the server offers it and it works, or the stream */
+  double nominal_rate_hz; /* how often you will publish, 1 to 2000; default 60 */
+  double state_rate_hz;   /* states per second; default: one per tick */
+  int32_t reconnect;      /* 1: a lost stream is opened again, and the session resumed */
+  int32_t re_engage;      /* 1: force is asked for again after it was lost, never after a fault */
+  int32_t derive_planes;  /* 1: a held proxy is sent as contacts, one per block */
+  uint32_t timeout_ms;    /* of each call that waits for an answer; default 5000 */
+  const haptic_block* blocks; /* for derive_planes; NULL: all coordinates are one */
+  size_t block_count;
+  /* Ages of a sample at which it stops being fresh, its force begins to fade, and is zero; each can
+   * shorten the scene's limit, not lengthen it. Default: the scene's. */
+  uint64_t fresh_end_ns, hold_end_ns, fade_end_ns;
 } haptic_session_options;
 
-/* One value per DoF or per actuated DoF, and one per coordinate. count 0: the list is absent. */
-typedef struct haptic_dofs {
-  uint32_t count;
-  double value[HAPTIC_MAX_DOFS];
-} haptic_dofs;
-typedef struct haptic_coordinates {
-  uint32_t count;
-  double value[HAPTIC_MAX_COORDINATES];
-} haptic_coordinates;
-
-/* The device at one tick; proto/haptic/v1/session.proto says more of each. */
-typedef struct haptic_state {
+/* Where the body that carries a device, for example the palm, is in the world. */
+typedef struct haptic_pose {
   size_t size;
-  uint64_t seq;            /* number of the tick; 0: no state came yet */
-  int64_t server_time_ns;  /* the server's steady clock */
-  uint64_t proxy_seq_used; /* number of the sample in use; 0: none */
-  uint64_t proxy_age_us;
-  int32_t state, mode, staleness, carrier;
-  uint32_t lease_epoch;
-  uint32_t faults, limiters; /* bits */
-  uint32_t active_planes;    /* bit n: plane n of the newest sample holds x */
-  double gain;               /* on the elastic force, 0 to 1 */
-  haptic_dofs q;             /* where the device is, per DoF */
-  haptic_dofs q_dot;         /* per actuated DoF */
-  haptic_coordinates x_probe;
-  haptic_coordinates x;    /* the proxy in use */
-  haptic_dofs q_star;      /* the subspace proxy in use, per DoF */
-  haptic_dofs tau_a;       /* the command, N or N m per actuated DoF */
-  haptic_dofs tau_elastic; /* its elastic part */
-  haptic_dofs error_bound; /* of tau_elastic */
-  haptic_dofs stiffness_in_effect;
-  haptic_dofs tau_measured;
-  haptic_dofs temperature_c;
-  int32_t projection; /* a ProjectionStatus of session.proto */
-  int32_t derating;   /* a Derating of session.proto */
-  uint64_t derating_delay_us;
-  double condition, unexplained;
-} haptic_state;
-
-/* A half space that the proxy must stay in, normal . x <= offset; or a contact. Of a contact with
- * this gap (> 0: not touched) and gradient of the gap at x: normal = -gradient, offset = gap +
- * normal . x. The other fields say how the object gives way and moves (proto/README.md, Contacts);
- * 0 is a rigid plane at rest. */
-typedef struct haptic_plane {
-  size_t size;
-  double normal[HAPTIC_MAX_COORDINATES]; /* one value per coordinate of the device, not all 0 */
-  double offset;
-  double compliance; /* coupling / stiffness of the contact */
-  double velocity;   /* of the offset, per s; > 0: the object recedes */
-  uint32_t id;       /* names the contact from sample to sample; 0: none */
-  uint32_t first_coordinate, curvature_count;
-  double curvature[36]; /* lower triangle, row by row, from first_coordinate on */
-  double mass, damping, ground_stiffness, load;
-  int32_t has_uncertainty;
-  uint32_t object, object_direction_count;
-  double uncertainty;
-  double object_direction[6];
-} haptic_plane;
+  double position[3];    /* m */
+  double orientation[4]; /* unit quaternion x, y, z, w */
+  uint32_t valid_for_us; /* it may count as fresh for so long; 0: as the scene says */
+} haptic_pose;
 
 /* One value per actuated DoF. As a wish, a count of 0 leaves a list unchanged. */
 typedef struct haptic_settings {
@@ -179,6 +148,7 @@ typedef struct haptic_settings {
   int32_t renderer;        /* a Renderer of session.proto; 0: unchanged */
   int32_t direction_guard; /* 1: acts, 2: does not; 0: unchanged */
   uint32_t clamped;        /* in an answer: values that were held at a limit of the scene */
+  char why_clamped[512];   /* in an answer: each of them, with the limit; a line each */
 } haptic_settings;
 
 /* Something that happened once: `kind` is an Event.Kind of session.proto, or this. */
@@ -201,6 +171,9 @@ typedef struct haptic_statistics {
   uint32_t lease_epoch;
   int32_t connected;
   char last_rejection[256];
+  int32_t udp_in_use; /* samples go by the UDP path */
+  int64_t udp_round_trip_ns;
+  uint64_t udp_received, udp_lost; /* datagrams of the server */
 } haptic_statistics;
 
 #endif

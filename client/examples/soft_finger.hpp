@@ -12,7 +12,7 @@
 #include <array>
 #include <vector>
 
-#include "haptic/client/contact.hpp"
+#include "haptic/client/solve.hpp"
 
 namespace haptic::examples {
 
@@ -33,24 +33,17 @@ class SoftFinger {
 
   explicit SoftFinger(const SoftFingerModel& model = {}) : model_(model) {}
 
-  struct Energy {
-    double value{0.0};
-    Joints gradient{};
-    std::array<double, 3> hessian{};  ///< 11, 12, 22; Gauss-Newton's: positive semidefinite
-    /// Largest distance any pad is inside the cylinder; negative: the smallest clearance. m.
-    double depth{-1.0};
-  };
-  [[nodiscard]] Energy contact(const Joints& x) const;
+  /// The pads with a gap up to `horizon` (m) at x. A pad's number, from 1 on, is its id.
+  [[nodiscard]] std::vector<client::Contact> pads(const Joints& x, double horizon) const;
+  /// The same as the server takes them, to solve the same E(x) between two steps.
+  [[nodiscard]] std::vector<client::Plane> contacts(const Joints& x, double horizon) const;
+  /// Largest distance any pad is inside the cylinder; negative: the smallest clearance. m.
+  [[nodiscard]] double depth(const Joints& x) const;
 
   struct Step {
     bool touching{false};
-    Joints x{};          ///< the proxy; the probe itself if nothing touches
-    double energy{0.0};  ///< of the contact, J
+    Joints x{};  ///< the proxy; the probe itself if nothing touches
   };
-  /// The pads with a gap up to `horizon` (m) at the proxy x, as contacts that the server solves
-  /// between two steps: the same E(x). A pad's number is its id.
-  [[nodiscard]] std::vector<client::Plane> contacts(const Joints& x, double horizon) const;
-
   /// One simulation step. The finger starts open, outside the object, and goes to every probe in
   /// small pieces: wherever the simulation joins, and whatever the probe did while no state came,
   /// the proxy stays on the side that it came from. Contact ends only with a clearance of
@@ -59,11 +52,10 @@ class SoftFinger {
 
  private:
   static constexpr double kRelease = 0.0005;  // m
+  static constexpr double kNear = 0.01;       // m; a piece reaches no farther
   static constexpr double kPiece = 0.05;      // rad; a pad moves 5 mm at most
   static constexpr double kFarthest = 6.3;    // rad; a probe that jumps farther is no finger's
   [[nodiscard]] Step follow(const Joints& x_probe);
-  [[nodiscard]] Joints minimise(const Joints& x_probe, const Joints& seed) const;
-  [[nodiscard]] double total(const Joints& x, const Joints& x_probe) const;
 
   SoftFingerModel model_;
   bool touching_{false};

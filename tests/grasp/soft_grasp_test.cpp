@@ -82,7 +82,7 @@ Weak grasp(const fs::path& motion, int last_ms) {
     const double best =
         std::abs(1500.0 * (Eigen::Matrix2d(J).inverse() * dx)[0]);  // Eq. (31) of Eq. (8)'s wish
     peak = std::max(peak, felt);
-    const double depth = exact.contact({x[0], x[1]}).depth;
+    const double depth = exact.depth({x[0], x[1]});
     if (depth <= deepest) continue;
     deepest = depth;
     ++found.ticks;

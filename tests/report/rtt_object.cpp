@@ -188,7 +188,7 @@ class Grasp : public RttObject {
     return finger_.contacts({x[0], x[1]}, near.metres);
   }
   [[nodiscard]] double clearance(double, const VecX& x_probe) const override {
-    return -finger_.contact({x_probe[0], x_probe[1]}).depth;
+    return -finger_.depth({x_probe[0], x_probe[1]});
   }
 
  private:

@@ -25,5 +25,6 @@
 #include "haptic/client/planes.hpp"
 #include "haptic/client/pose.hpp"
 #include "haptic/client/session.hpp"
+#include "haptic/client/solve.hpp"
 #include "haptic/client/types.hpp"
 #include "haptic/client/watch.hpp"

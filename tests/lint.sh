@@ -19,8 +19,8 @@ format() {
 
 configure() {
   cmake -S . -B build/lint -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
-  cmake --build build/lint --target haptic_proto haptic_proto_grpc client_readme_pieces \
-    hw_readme_pieces
+  cmake --build build/lint --target haptic_proto haptic_proto_grpc haptic_state_header \
+    client_readme_pieces hw_readme_pieces
 }
 
 batches() {

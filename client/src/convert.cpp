@@ -1,6 +1,15 @@
 #include "convert.hpp"
 
+#include "convert_state.hpp"
+
 namespace haptic::client {
+
+DeviceState to_state(const v1::DeviceState& message) {
+  DeviceState state;
+  read(message, state);
+  state.received = std::chrono::steady_clock::now();
+  return state;
+}
 
 std::chrono::nanoseconds to_duration(const google::protobuf::Duration& message) {
   return std::chrono::seconds(message.seconds()) + std::chrono::nanoseconds(message.nanos());

@@ -1,4 +1,4 @@
-#include "haptic/client/state.hpp"
+#include "haptic/client/state_types.hpp"
 #include "haptic/schema/fields.hpp"
 #include "haptic/v1/session.pb.h"
 
@@ -24,10 +24,6 @@ std::vector<std::string> fault_names(std::uint32_t faults) {
 
 std::vector<std::string> limiter_names(std::uint32_t limiters) {
   return names_of(v1::DeviceState::kLimitersFieldNumber, limiters);
-}
-
-const char* name(CertificateState::Status status) noexcept {
-  return name_of(v1::CertificateStatus_descriptor(), status);
 }
 
 const char* name(Lifecycle state) noexcept {

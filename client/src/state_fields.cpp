@@ -1,5 +1,6 @@
 #include "haptic/client/state_fields.hpp"
 
+#include "convert_state.hpp"
 #include "haptic/schema/fields.hpp"
 #include "haptic/v1/session.pb.h"
 
@@ -64,7 +65,7 @@ std::vector<StateField> state_fields(const DeviceInfo& device, const DeviceState
   for (const VirtualCoordinate& c : device.coordinates)
     labels.coordinates.push_back({c.name, c.unit});
   v1::DeviceState message;
-  message.ParseFromString(state.message);
+  write(state, message);
   return fields_of(message, labels);
 }
 

@@ -28,8 +28,7 @@ struct StateField {
   std::vector<std::vector<StateField>> messages{};
 };
 
-/// Every field that the protocol has, in its order: the values of `state.message`, which a state
-/// that the library delivered has. Without it all fields have the value 0, or none.
+/// Every field that the protocol has, in its order, with the values of `state`.
 [[nodiscard]] std::vector<StateField> state_fields(const DeviceInfo& device,
                                                    const DeviceState& state);
 

@@ -1,0 +1,150 @@
+"""The messages and enums of a descriptor set, with their comments and field options."""
+
+import dataclasses
+import textwrap
+
+from google.protobuf import descriptor_pb2 as pb
+from google.protobuf import descriptor_pool, message_factory
+
+_FILE_MESSAGE, _FILE_ENUM, _MESSAGE_FIELD = 4, 5, 2  # field numbers of descriptor.proto
+_KINDS = {
+    pb.FieldDescriptorProto.TYPE_DOUBLE: "double",
+    pb.FieldDescriptorProto.TYPE_UINT32: "uint32",
+    pb.FieldDescriptorProto.TYPE_UINT64: "uint64",
+    pb.FieldDescriptorProto.TYPE_INT64: "int64",
+    pb.FieldDescriptorProto.TYPE_ENUM: "enum",
+    pb.FieldDescriptorProto.TYPE_MESSAGE: "message",
+}
+AXES = {"": "", "DOF": "per DoF", "ACTUATED": "per actuated DoF", "COORDINATE": "per coordinate"}
+
+
+@dataclasses.dataclass(frozen=True)
+class Field:
+    """kind: double, uint32, uint64, int64, enum or message; type: name of that enum or message.
+
+    axis: "", DOF, ACTUATED or COORDINATE. optional: its absence can be told from 0.
+    """
+
+    message: str
+    name: str
+    number: int
+    kind: str
+    type: str
+    repeated: bool
+    optional: bool
+    axis: str
+    unit: str
+    bits: str
+    source: str
+    called: str
+    comment: str
+
+    @property
+    def is_time(self) -> bool:
+        """Microseconds."""
+        return self.name.endswith("_us")
+
+    def about(self, unit: str | None = None) -> str:
+        """The comment, and [unit and axis]; `unit` if the language has it in another one."""
+        unit = self.unit if unit is None else unit
+        if "POSITION" in unit or "EFFORT" in unit:
+            unit = " or ".join(unit.replace("POSITION", position).replace("EFFORT", effort)
+                               for position, effort in (("m", "N"), ("rad", "N m")))
+        words = " ".join(filter(None, [unit, AXES[self.axis]]))
+        return " ".join(filter(None, [self.comment, f"[{words}]" if words else ""]))
+
+
+@dataclasses.dataclass(frozen=True)
+class Message:
+    name: str
+    comment: str
+    fields: list[Field]
+
+
+@dataclasses.dataclass(frozen=True)
+class Enum:
+    """called: its name in the clients, "" if C++ has none. values: (NAME, number), without the
+    enum's name before NAME."""
+
+    name: str
+    called: str
+    comment: str
+    values: list[tuple[str, int]]
+
+
+class Schema:
+    """`files`: the bytes that protoc --descriptor_set_out --include_imports --include_source_info
+    makes."""
+
+    def __init__(self, files: bytes) -> None:
+        descriptors = pb.FileDescriptorSet.FromString(files)
+        self._pool = descriptor_pool.DescriptorPool()
+        for file in descriptors.file:
+            self._pool.Add(file)
+        self.messages: dict[str, Message] = {}
+        self.enums: dict[str, Enum] = {}
+        for file in descriptors.file:
+            if file.package == "haptic.v1":
+                self._read(file)
+
+    def reachable(self, name: str) -> list[Message]:
+        """The message and what it holds, those first that others hold."""
+        held = [m for field in self.messages[name].fields if field.kind == "message"
+                for m in self.reachable(field.type)]
+        unique = {message.name: message for message in [*held, self.messages[name]]}
+        return list(unique.values())
+
+    def enums_of(self, name: str) -> list[Enum]:
+        """The enums of the fields of `name` and of what it holds."""
+        used = {field.type for message in self.reachable(name) for field in message.fields
+                if field.kind == "enum"}
+        return [enum for enum in self.enums.values() if enum.name in used]
+
+    def _read(self, file: pb.FileDescriptorProto) -> None:
+        places = file.source_code_info.location
+        comments = {tuple(place.path): _joined(place) for place in places}
+        for index, message in enumerate(file.message_type):
+            path = (_FILE_MESSAGE, index)
+            fields = [self._field(message.name, field, comments.get((*path, _MESSAGE_FIELD, i), ""))
+                      for i, field in enumerate(message.field)]
+            self.messages[message.name] = Message(
+                message.name, comments.get(path, ""), [field for field in fields if field.kind])
+        for index, enum in enumerate(file.enum_type):
+            prefix = _capitals(enum.name) + "_"
+            self.enums[enum.name] = Enum(
+                enum.name, self._options(enum, "EnumOptions")("called_enum"),
+                comments.get((_FILE_ENUM, index), ""),
+                [(value.name.removeprefix(prefix), value.number) for value in enum.value])
+
+    def _field(self, message: str, field: pb.FieldDescriptorProto, comment: str) -> Field:
+        said = self._options(field, "FieldOptions")
+        axes = self._pool.FindEnumTypeByName("haptic.v1.Axis").values_by_number
+        axis = axes[said("axis")].name.removeprefix("AXIS_")
+        return Field(message, field.name, field.number, _KINDS.get(field.type, ""),
+                     field.type_name.split(".")[-1], field.label == field.LABEL_REPEATED,
+                     field.proto3_optional, "" if axis == "UNSPECIFIED" else axis, said("unit"),
+                     said("bits"), said("from"), said("called") or field.name, comment)
+
+    def _options(self, owner, name: str):
+        """Reads an option of the field or enum by its name."""
+        made = message_factory.MessageFactory(self._pool).GetPrototype(
+            self._pool.FindMessageTypeByName(f"google.protobuf.{name}"))
+        said = made.FromString(owner.options.SerializeToString()).Extensions
+        return lambda option: said[self._pool.FindExtensionByName(f"haptic.v1.{option}")]
+
+
+def wrapped(text: str, first: str, then: str = "", end: str = "") -> list[str]:
+    """`text` in lines of at most 100 characters, which begin with `first` and `then`."""
+    return textwrap.wrap(text + end, 100, initial_indent=first, subsequent_indent=then or first)
+
+
+def pascal(name: str) -> str:
+    return "".join(word.capitalize() for word in name.split("_"))
+
+
+def _joined(place: pb.SourceCodeInfo.Location) -> str:
+    return " ".join((place.leading_comments + place.trailing_comments).split())
+
+
+def _capitals(name: str) -> str:
+    return "".join("_" + c if c.isupper() and i else c for i, c in enumerate(name)).upper()

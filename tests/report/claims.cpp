@@ -1,6 +1,6 @@
 /// haptic-report claims: what the paper's sections IV and V.C say of the displayed impedance, tried
 /// on other devices than one finger: how often it holds, and where it fails
-/// (core/METHOD.md#the-claims-on-other-devices).
+/// (tests/report/STUDY.md#the-claims-on-other-devices).
 #include <Eigen/Dense>
 
 #include <algorithm>

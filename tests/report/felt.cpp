@@ -1,5 +1,5 @@
-/// haptic-report felt: speed against error of the whole system (core/METHOD.md#felt-torque): how
-/// far off is the torque at the finger, by renderer, proxy, rate and delay; what a tick costs.
+/// haptic-report felt: speed against error of the whole system (tests/report/STUDY.md#felt-torque):
+/// how far off is the torque at the finger, by renderer, proxy, rate and delay; what a tick costs.
 #include <algorithm>
 #include <cmath>
 #include <numeric>

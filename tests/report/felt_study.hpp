@@ -1,7 +1,7 @@
 #pragma once
 /// The finger in contact through a simulation that is slow or late, next to the same contact
 /// through one that is neither: how far off is the torque that the finger feels
-/// (core/METHOD.md#felt-torque)? On the pipeline of a shipped scene, in virtual time.
+/// (tests/report/STUDY.md#felt-torque)? On the pipeline of a shipped scene, in virtual time.
 
 #include <functional>
 #include <string>

@@ -1,6 +1,6 @@
-/// haptic-report fig4: the paper's Fig. 4 and the metrics of core/METHOD.md#finite-difference-rule
-/// for one trajectory of the finger, with the proxy held at x = 0, Z_q = 1, forces in mm of l_x,
-/// unguarded.
+/// haptic-report fig4: the paper's Fig. 4 and the metrics of
+/// tests/report/STUDY.md#finite-difference-rule-finger_sign_change for one trajectory of the
+/// finger, with the proxy held at x = 0, Z_q = 1, forces in mm of l_x, unguarded.
 #include <cmath>
 
 #include "haptic/core/error.hpp"
@@ -18,7 +18,7 @@ namespace {
 constexpr double kMm = 1e3;
 
 struct Options {
-  Pair amplitude_deg{35, 50};  // core/METHOD.md#fig-4, trajectory A
+  Pair amplitude_deg{35, 50};  // tests/report/STUDY.md#fig-4-finger_sign_change, trajectory A
   double phase_deg{15};
   std::string motion{};
   double noise_mm{0.0};

@@ -11,7 +11,8 @@
 namespace haptic::report {
 namespace {
 
-/// Tolerance of "never deeper than without force" (core/METHOD.md#forces-at-the-finger).
+/// Tolerance of "never deeper than without force"
+/// (tests/report/STUDY.md#chosen-presses-finger_sign_change).
 constexpr double kDeeper_deg = 0.5;
 constexpr double kWork_mj = 1e-3;  // the integration's own noise is far below
 
@@ -23,8 +24,8 @@ struct Options {
   bool board{false};
 };
 
-/// core/METHOD.md#forces-at-the-finger: the table's rows; with --grid its 24 runs; with any of the
-/// three options that one.
+/// tests/report/STUDY.md#chosen-presses-finger_sign_change: the table's rows; with --grid its 24
+/// runs; with any of the three options that one.
 std::vector<Press> runs(const Options& options) {
   std::vector<Press> presses;
   const auto add = [&](const Pair& stop, const Pair& target, double stiffness) {
@@ -144,7 +145,8 @@ void add_finger(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("finger", "Presses against stops at the joints, as the finger feels them");
   command->footer(
-      "Without options: the rows of core/METHOD.md#forces-at-the-finger. 999 = no stop. Forces in "
+      "Without options: the rows of tests/report/STUDY.md#chosen-presses-finger_sign_change. 999 = "
+      "no stop. Forces in "
       "N at the actuator, "
       "positive "
       "towards larger l_x; peak_force_n keeps its sign. work_mj: put into the finger; negative: "
@@ -164,7 +166,8 @@ void add_finger(CLI::App& app) {
       "--board", options->board,
       "through the serial protocol and an emulated board with its L16 and force loop; "
       "work, cell and torques are then those of the load cell and the finger itself");
-  command->add_flag("--grid", options->grid, "the 24 runs of core/METHOD.md#forces-at-the-finger");
+  command->add_flag("--grid", options->grid,
+                    "the 24 runs of tests/report/STUDY.md#chosen-presses-finger_sign_change");
   command->add_flag(
       "--joints", options->joints,
       "adds the end force at actuator and joints, the net work, ticks guarded and throttled");

@@ -21,8 +21,9 @@ using core::VecX;
 constexpr double kEngage_s = 0.6;  // ten samples at 30 Hz, 100 ms late, and some
 constexpr double kLeave_s = 0.9;   // the gain's ramp is over
 constexpr double kBegin_s = 1.8;   // the way takes 0.8 s as in core/METHOD.md#forces-at-the-finger
-constexpr double kPress_s =
-    2.0;  // core/METHOD.md#forces-at-the-finger: end state after 1.5-2 s, from its beginning
+// tests/report/STUDY.md#chosen-presses-finger_sign_change: end state after 1.5-2 s, from its
+// beginning.
+constexpr double kPress_s = 2.0;
 constexpr double kForceLimit = 40;  // N, core/METHOD.md#forces-at-the-finger
 const double kDeviceDamping = hw::FingerParameters{}.actuator_damping;
 constexpr int kSubsteps = 10;  // of 0.1 ms, as the simulated device takes them

@@ -17,8 +17,9 @@ using core::VecA;
 using core::VecX;
 using hw::emulator::VirtualBoard;
 
-constexpr double kPeriod = 1e-3;    // s
-constexpr int kTicks = 2000;        // core/METHOD.md#forces-at-the-finger: end state after 1.5-2 s
+// tests/report/STUDY.md#chosen-presses-finger_sign_change: end state after 1.5-2 s.
+constexpr double kPeriod = 1e-3;  // s
+constexpr int kTicks = 2000;
 constexpr int kEngageTick = 205;    // a steady stream of 200 ms is asked for; the hand barely moved
 constexpr double kForceLimit = 40;  // N, core/METHOD.md#forces-at-the-finger
 constexpr double kRodDamping = 0.5;     // N s/m, beyond the load cell of the emulated board

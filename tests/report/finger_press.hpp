@@ -46,9 +46,9 @@ struct Felt {
   int throttled{0};                 ///< ticks in which the tank held a change back
 };
 
-/// core/METHOD.md#forces-at-the-finger compares at Z_x = Z_q/81.06^2, the mean of ||J_a|| on
-/// trajectory A. The renderers take the mean over the workspace; the stiffness of the two baselines
-/// makes up for it. N/m.
+/// tests/report/STUDY.md#chosen-presses-finger_sign_change compares at Z_x = Z_q/81.06^2, the mean
+/// of ||J_a|| on trajectory A. The renderers take the mean over the workspace; the stiffness of the
+/// two baselines makes up for it. N/m.
 [[nodiscard]] double stiffness_of_method(core::RendererKind method, double stiffness,
                                          const core::Kinematics& finger);
 

@@ -1,6 +1,6 @@
 #pragma once
 /// Frames at which finding q* of Eq. (6) is hard, on a finger and on an arm, with the least
-/// residual that any pose in the limits has (core/METHOD.md#hard-frames).
+/// residual that any pose in the limits has (tests/report/STUDY.md#hard-frames).
 
 #include <string>
 #include <vector>

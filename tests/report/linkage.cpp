@@ -1,5 +1,5 @@
 /// haptic-report linkage: what the finger's linkages are worth, and the search that chose the
-/// default one (core/METHOD.md#choice-of-the-linkage).
+/// default one (tests/report/STUDY.md#choice-of-the-linkage).
 #include <cmath>
 
 #include "hw/motion/motion_csv.hpp"

@@ -115,10 +115,11 @@ every "the metric of Q" 1 \
   'given_mj > 76 && given_mj < 158 && peak_force_n > 13 && peak_force_n < 21.5' \
   closed-loop --motion press --stop 18,999 --method q_metric --rate 60 --with nothing
 
-# One DoF: K_max within a step of the grid (10 %) of core/METHOD.md#local-models.
+# One DoF: K_max within a step of the grid (10 %) of
+# tests/report/STUDY.md#rate-delay-and-kind-of-proxy.
 near() {  # near NAME EXPECTED TOLERANCE_PCT FOUND
   awk "BEGIN { d = $4 / $2 - 1; exit !(d < $3 / 100 && d > -$3 / 100) }" ||
-    fail "$1: $4, core/METHOD.md has $2"
+    fail "$1: $4, tests/report/STUDY.md has $2"
 }
 k_max() { number k_max_press_n_per_m rate "$@"; }
 near "held proxy, 60 Hz, 20 ms" 1131 1 "$(k_max --proxy held --rate 60 --delay 20 --with nothing)"

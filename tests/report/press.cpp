@@ -1,5 +1,5 @@
 /// haptic-report press: random presses, what the finger feels of them, and what of it is not as it
-/// should be (core/METHOD.md#presses).
+/// should be (tests/report/STUDY.md#presses).
 #include <algorithm>
 #include <cmath>
 #include <fstream>

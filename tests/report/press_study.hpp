@@ -1,6 +1,6 @@
 #pragma once
 /// Random presses of a worn finger, on the real Pipeline in virtual time, and what the finger feels
-/// of them against the best that the device can do (core/METHOD.md#presses).
+/// of them against the best that the device can do (tests/report/STUDY.md#presses).
 
 #include <functional>
 #include <optional>

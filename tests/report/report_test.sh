@@ -1,5 +1,6 @@
 #!/bin/sh
-# haptic-report's cheap subcommands against what core/METHOD.md prints: headers, values, statuses.
+# haptic-report's cheap subcommands against what tests/report/STUDY.md prints: headers, values,
+# statuses.
 #
 #   report_test.sh HAPTIC-REPORT [values|grid]      grid: the presses at the finger alone
 set -u
@@ -47,8 +48,8 @@ refused() {  # refused arguments...: exit status 2, a reason on standard error, 
 }
 
 if [ "${2:-values}" = grid ]; then
-  # core/METHOD.md#forces-at-the-finger, 24 runs: deeper than without force standard 2, (6) 4; with
-  # the guard none.
+  # tests/report/STUDY.md#chosen-presses-finger_sign_change, 24 runs: deeper than without force
+  # standard 2, (6) 4; with the guard none.
   deeper() { report finger --grid "$@" | grep deeper | cut -d, -f1 | sort | uniq -c |
     tr -s ' \n' ' '; }
   found=$(deeper)
@@ -65,7 +66,7 @@ fi
 
 refused
 
-# core/METHOD.md#finite-difference-rule, trajectory A.
+# tests/report/STUDY.md#finite-difference-rule-finger_sign_change, trajectory A.
 header "method,metric,value" fig4
 csv=$(report fig4 --amplitude 35,50 --phase 15)
 fig4() {  # fig4 RENDERER METRIC VALUE TOLERANCE
@@ -84,14 +85,15 @@ fig4 subspace_exact cycle_work_pct 0 1e-9
 refused fig4 --amplitude 200,50
 refused fig4 --motion /nowhere.csv
 
-# core/METHOD.md#fig-4: 150, 101, 88 and 0 of 168.
+# tests/report/STUDY.md#fig-4-finger_sign_change: 150, 101, 88 and 0 of 168.
 header "method,trajectories,any_nonpassive,share_pct,worst_cycle_work_pct" scan
 csv=$(report scan | cut -d, -f1-3)
 for line in standard,168,150 null_space,168,101 subspace_linear,168,88 subspace_exact,168,0; do
   has "$line"
 done
 
-# core/METHOD.md#the-claims-on-other-devices: (9) holds everywhere for Eq. (6), not for Eq. (8).
+# tests/report/STUDY.md#the-claims-on-other-devices: (9) holds everywhere for Eq. (6), not for Eq.
+# (8).
 header "device,n_a,n_n,n_x,derivative,Z_x,deviation_pct,method,states,negative_definite_pct,\
 no_force_from_sensed_pct,conservative_pct,curl_median_pct,largest_eigenvalue,worst_q" claims
 csv=$(report claims | cut -d, -f1,5,7,8,10-13)
@@ -100,12 +102,13 @@ csv=$(echo "$csv" | cut -d, -f1-5)
 near "finger_sign_change,exact,30,subspace_linear" 54.6 0.05
 near "hand 4 of 8,exact,30,subspace_linear" 56.4 0.05
 
-# core/METHOD.md#choice-of-the-linkage.
+# tests/report/STUDY.md#choice-of-the-linkage.
 csv=$(report linkage | cut -d, -f1,6)
 near finger_same_sign 100 0
 near finger_sign_change 68.3 0.05
 
-# core/METHOD.md#exact-derivatives: 1 % 5.5, 5 % 8.0, median 18.0 deg (ranges depend on the grid).
+# tests/report/STUDY.md#passivity-radius-finger_sign_change: 1 % 5.5, 5 % 8.0, median 18.0 deg
+# (ranges depend on the grid).
 header "method,quantile_pct,radius_deg,poses" radius --grid 20
 csv=$(report radius | cut -d, -f1-3)
 near subspace_linear,1 5.5 0.2
@@ -149,7 +152,8 @@ report coupling | awk -F, 'NR > 1 {
   END { if (rows != 600) bad = bad " rows " rows; printf "%s", bad; exit bad != "" }' ||
     fail "coupling: see above"
 
-# core/METHOD.md#forces-at-the-finger: the end state of each row and the energy put into the finger.
+# tests/report/STUDY.md#chosen-presses-finger_sign_change: the end state of each row and the energy
+# put into the finger.
 header "method,stop_mcp_deg,stop_pip_deg,target_mcp_deg,target_pip_deg,stiffness_n_per_m,end_mcp_deg,\
 end_pip_deg,max_penetration_deg,no_force_penetration_deg,peak_force_n,work_mj,verdict" \
   finger --stop 18,999 --method standard
@@ -176,7 +180,7 @@ finger subspace_linear 999,25 1500 46.6 43.3
 finger subspace_exact 18,25 1500 44.2 38.7
 echo "$rows" | grep -q "^subspace_exact,18,999,50,50,6000,.*,deeper and gives energy$" ||
   fail "finger: (6) on an MCP stop at 6000 N/m pulls the finger into the wall" \
-    "(core/METHOD.md#forces-at-the-finger)"
+    "(tests/report/STUDY.md#chosen-presses-finger_sign_change)"
 header "method,proxy,fingers_declared,fingers_in_contact,tick_ns,idle_share_pct" scaling --ticks 16
 
 # Ten kinds of hard frames; KDL on the arm alone. Where x is an image (6) of the finger, in closed
@@ -190,8 +194,8 @@ for kind in random near_singular; do
   csv=$(echo "$rows" | cut -d, -f1-3,13)
   near "finger,$kind,eq6" 100 0
 done
-# core/METHOD.md#presses: 32 of the 640; per contact none ends deeper than without force, none
-# exceeds the tank.
+# tests/report/STUDY.md#presses: 32 of the 640; per contact none ends deeper than without force,
+# none exceeds the tank.
 summary=$(mktemp)
 rows=$("$haptic_report" --linkage finger_sign_change press --presses 32 --method per_contact \
   --summary "$summary")
@@ -234,5 +238,5 @@ report finger --board --joints --stop 18,999 | awk -F, '
     exit bad
   }' || failed=1
 
-[ $failed -eq 0 ] && echo "haptic-report: as core/METHOD.md prints it"
+[ $failed -eq 0 ] && echo "haptic-report: as tests/report/STUDY.md prints it"
 exit $failed

@@ -261,7 +261,8 @@ closed_loop_tables() {  # of closed_loop.csv: by method; every tick without dela
     closed_loop.csv >closed_loop_presses.csv
   cd "$OLDPWD"
 }
-# rate_table COLUMN NAME: K_max as in core/METHOD.md#local-models, into rate_NAME.csv
+# rate_table COLUMN NAME: K_max as in tests/report/STUDY.md#rate-delay-and-kind-of-proxy, into
+# rate_NAME.csv
 rate_table() {
   awk -F, -v OFS=, -v column="$1" 'NR > 1 && ($3 == 0 || $3 == 20 || $3 == 100) { key = $2 OFS $3
       if (!(key in seen)) { seen[key] = 1; order[++n] = key }

@@ -1,5 +1,6 @@
-/// haptic-report scan: the 168 trajectories of core/METHOD.md#finite-difference-rule; in how many
-/// of them does the paper's finite-difference test find any sample that is not passive?
+/// haptic-report scan: the 168 trajectories of
+/// tests/report/STUDY.md#finite-difference-rule-finger_sign_change; in how many of them does the
+/// paper's finite-difference test find any sample that is not passive?
 #include <algorithm>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"

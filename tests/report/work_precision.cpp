@@ -1,5 +1,6 @@
 /// haptic-report work-precision: what a way to q* of Eq. (6) costs and how near it comes, on frames
-/// that are hard (core/METHOD.md#hard-frames): the product's ways, KDL's LMA, damped least squares.
+/// that are hard (tests/report/STUDY.md#hard-frames): the product's ways, KDL's LMA, damped least
+/// squares.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@ namespace haptic::core {
 namespace {
 
 /// Steps of Gauss-Newton per point; one from a neighbour's solution leaves 1e-2 of the way's
-/// curvature, two 1e-4 (core/METHOD.md#work-and-precision).
+/// curvature, two 1e-4 (tests/report/STUDY.md#work-and-precision-finger_sign_change).
 constexpr int kSteps = 2;
 
 }  // namespace

@@ -99,7 +99,8 @@ TEST(Householder, FactorsTheGramMatrix) {
   }
 }
 
-/// core/METHOD.md#condition-sweep: forward error below 10 eps cond from 1 to 1e16, and never a NaN.
+/// tests/report/STUDY.md#condition-sweep: forward error below 10 eps cond from 1 to 1e16, and never
+/// a NaN.
 TEST(Householder, ErrorGrowsWithTheConditionOnly) {
   std::mt19937_64 random(10);
   constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -116,7 +117,7 @@ TEST(Householder, ErrorGrowsWithTheConditionOnly) {
   }
 }
 
-/// core/METHOD.md#large-residual: 72 x 24, cond 1e4, residual 10 % of b.
+/// tests/report/STUDY.md#large-residual: 72 x 24, cond 1e4, residual 10 % of b.
 TEST(Householder, SolvesALargeSystemTo1em10) {
   std::mt19937_64 random(11);
   for (int trial = 0; trial < 20; ++trial) {

@@ -54,8 +54,9 @@ TEST(LeastSquares, OneFactorisationGivesAllThreeForces) {
   }
 }
 
-/// core/METHOD.md#condition-sweep: flagged above 1e8. The diagonal of R overestimates the smallest
-/// singular value by a small factor, so the decade around the limit belongs to neither side.
+/// tests/report/STUDY.md#condition-sweep: flagged above 1e8. The diagonal of R overestimates the
+/// smallest singular value by a small factor, so the decade around the limit belongs to neither
+/// side.
 TEST(LeastSquares, ReportsIllConditioningAboveTheLimit) {
   std::mt19937_64 random(10);
   for (int power = 0; power <= 16; ++power) {
@@ -71,7 +72,7 @@ TEST(LeastSquares, ReportsIllConditioningAboveTheLimit) {
   }
 }
 
-/// core/METHOD.md#rank-loss: a zero column, a repeated column, fewer rows than columns.
+/// tests/report/STUDY.md#rank-loss: a zero column, a repeated column, fewer rows than columns.
 TEST(MinimumNorm, IsSmallestInItsMetric) {
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> power(-3.0, 3.0);
@@ -117,8 +118,8 @@ double smallest_symmetric(const Eigen::Matrix2d& K) {
   return oracle::smallest_eigenvalue(0.5 * (K + K.transpose()));
 }
 
-/// core/METHOD.md#unequal-stiffness: with the unit metric Z_q > 0 is no promise of passivity; with
-/// Z_q as the metric of its own block it is.
+/// tests/report/STUDY.md#unequal-stiffness: with the unit metric Z_q > 0 is no promise of
+/// passivity; with Z_q as the metric of its own block it is.
 TEST(MinimumNorm, ActuatedBlocksMetricMustBeZq) {
   Eigen::MatrixXd J(2, 4);
   J << .125730, -.132105, .640423, .104900, -.535669, .361595, 1.304000, .947081;

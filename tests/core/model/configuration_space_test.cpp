@@ -47,7 +47,7 @@ TEST(ConfigurationSpace, ChordFollowsTheQuarterAnglesSine) {
   }
 }
 
-/// core/METHOD.md#half-turns.
+/// tests/report/STUDY.md#half-turns.
 TEST(ConfigurationSpace, QuaternionSignFlipIsNoJump) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> within(-3, 3);
@@ -62,7 +62,7 @@ TEST(ConfigurationSpace, QuaternionSignFlipIsNoJump) {
   }
 }
 
-/// core/METHOD.md#half-turns.
+/// tests/report/STUDY.md#half-turns.
 TEST(ConfigurationSpace, RotationsByPiAreFinite) {
   for (const double theta : {kPi - 1e-9, kPi, kPi + 1e-9}) {
     const VecX dx = difference(pose(0, {theta, 0, 0}), pose(0, {0, 0, 0}));

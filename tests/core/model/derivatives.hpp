@@ -1,5 +1,5 @@
 #pragma once
-/// The measure of core/METHOD.md#derivatives: analytic derivatives of a map against central
+/// The measure of tests/report/STUDY.md#derivatives: analytic derivatives of a map against central
 /// differences.
 
 #include <gtest/gtest.h>

@@ -104,8 +104,8 @@ TEST_F(FingerExoskeleton, CoordinatesTellThePhalanxBetweenThem) {
   EXPECT_EQ(finger->space().coordinates()[1].link, 0.0);
 }
 
-/// core/METHOD.md#derivatives: difference relative to the largest analytic entry of the pose,
-/// columns scaled by (0.02 m, 1 rad), central differences of 6e-6 scaled.
+/// tests/report/STUDY.md#derivatives: difference relative to the largest analytic entry of the
+/// pose, columns scaled by (0.02 m, 1 rad), central differences of 6e-6 scaled.
 TEST_P(EveryLinkage, DerivativesAgreeWithCentralDifferences) {
   std::mt19937_64 random(2);
   const double scale[2] = {0.02, 1.0};
@@ -235,7 +235,7 @@ double brute_force_residual(const FingerDimensions& d, double mcp, double pip, V
   return lowest;
 }
 
-/// core/METHOD.md#unreachable-proxies.
+/// tests/report/STUDY.md#unreachable-proxies.
 TEST_F(FingerExoskeleton, UnreachableProxyGivesTheGlobalOptimum) {
   struct Row {
     double mcp, pip, residual_deg, l_mm, q_B_deg;  // 0: no published figure

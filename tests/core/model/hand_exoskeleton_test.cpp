@@ -110,15 +110,15 @@ TEST(HandExoskeleton, OneUnreachableFingerLeavesOthersExact) {
   std::mt19937_64 random(4);
   VecX x = random_joints(random, 5);
   const VecQ reached = reach(*hand, x);
-  x.segment<2>(4) << -0.7, 0.35;  // core/METHOD.md#unreachable-proxies
+  x.segment<2>(4) << -0.7, 0.35;  // tests/report/STUDY.md#unreachable-proxies
   VecQ q;
   EXPECT_EQ(hand->inverse(x, q), InverseStatus::kUnreachable);
   for (int i = 0; i < 10; ++i) {
     if (i == 4 || i == 5) continue;
     EXPECT_EQ(q[i], reached[i]) << i;
   }
-  EXPECT_NEAR(q[4], 0.01015 * 1.1, 2e-4);  // core/METHOD.md#unreachable-proxies: at (10.15 mm, 41.5
-                                           // deg)
+  // tests/report/STUDY.md#unreachable-proxies: at (10.15 mm, 41.5 deg)
+  EXPECT_NEAR(q[4], 0.01015 * 1.1, 2e-4);
   EXPECT_NEAR(q[5], 41.5 * kDegree, 1e-9);
 }
 

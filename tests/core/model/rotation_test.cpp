@@ -25,8 +25,8 @@ TEST(RotationVector, RoundTripsThroughTheQuaternion) {
   EXPECT_EQ(rotation_vector({NAN, 0, 0, 1}), Eigen::Vector3d(0, 0, 0));
 }
 
-/// core/METHOD.md#an-hour-of-ticks: a tracker's quaternion is taken as it comes, a million times
-/// over.
+/// tests/report/STUDY.md#an-hour-of-ticks: a tracker's quaternion is taken as it comes, a million
+/// times over.
 TEST(RotationVector, MillionReadingsDoNotDrift) {
   Eigen::Vector3d phi(0.3, -0.2, 0.1);
   for (int i = 0; i < 1'000'000; ++i) phi = rotation_vector(unit_quaternion(phi));

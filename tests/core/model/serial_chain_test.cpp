@@ -167,7 +167,7 @@ TEST(SerialChain, DerivativesMatchCentralDifferences) {
       worst = {std::max(worst.J, e.J), std::max(worst.dJ, e.dJ)};
     }
   }
-  EXPECT_LT(worst.J, 2e-7);  // core/METHOD.md#derivatives
+  EXPECT_LT(worst.J, 2e-7);  // tests/report/STUDY.md#derivatives
   EXPECT_LT(worst.dJ, 5e-7);
 }
 

@@ -179,8 +179,8 @@ TEST(TaskMetric, EveryRendererMeasuresByIt) {
   }
 }
 
-/// core/METHOD.md#change-of-units, with mixed units in X and Q: metres or millimetres, radians or
-/// degrees, the same force.
+/// tests/report/STUDY.md#change-of-units, with mixed units in X and Q: metres or millimetres,
+/// radians or degrees, the same force.
 TEST(TaskMetric, ForceIgnoresTheUnits) {
   std::mt19937_64 random(3);
   constexpr double kDegrees = 57.295779513082323;

@@ -43,7 +43,7 @@ ProjectionSettings coupled_prior(const MatrixXd& Z, double mu, const VecQ& M_n) 
   return settings;
 }
 
-/// core/METHOD.md#curved-wide-map, with a Z_q that couples.
+/// tests/report/STUDY.md#curved-wide-map, with a Z_q that couples.
 TEST(CoupledPrior, NoCyclePumpsEnergy) {
   const FunctionMap map = samples::wide_map();
   const ProjectionSettings settings = coupled_prior(kZ, 0.1, VecQ::Ones(1));

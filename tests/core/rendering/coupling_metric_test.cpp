@@ -85,7 +85,8 @@ TEST(CouplingMetric, FullActuationGivesTheStiffnessItself) {
   }
 }
 
-/// core/METHOD.md#change-of-units: the unit of no DoF and of no coordinate shows in ||dx||_W.
+/// tests/report/STUDY.md#change-of-units: the unit of no DoF and of no coordinate shows in
+/// ||dx||_W.
 TEST(CouplingMetric, IsFreeOfUnits) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> any(-1.0, 1.0);

@@ -1,5 +1,5 @@
 // Eq. (6) by iteration and by cache: core/METHOD.md#projection-algorithm case A, and cases 14, 16,
-// 20 of core/METHOD.md#hard-cases.
+// 20 of tests/report/STUDY.md#hard-cases.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -170,8 +170,8 @@ TEST(ExactMethod, IsSolvedOncePerProxyChange) {
   EXPECT_NE(out.q_star, first.q_star);
 }
 
-/// core/METHOD.md#unreachable-proxies, for the iteration: unreachable proxies end within the cap,
-/// in the box, no worse than they began, and are reported.
+/// tests/report/STUDY.md#unreachable-proxies, for the iteration: unreachable proxies end within the
+/// cap, in the box, no worse than they began, and are reported.
 TEST(Iteration, UnreachableProxiesEndBoundedAndReported) {
   const FingerByIteration map;
   const VecQ seed = (VecQ(2) << 0.004, 0.4).finished();
@@ -198,8 +198,8 @@ TEST(Iteration, UnreachableProxiesEndBoundedAndReported) {
 }
 
 /// The same proxies by the closed form with its constraints: the figures of
-/// core/METHOD.md#unreachable-proxies, which come from a search: 0.02 degrees above the optimum in
-/// two rows, so ours may be below.
+/// tests/report/STUDY.md#unreachable-proxies, which come from a search: 0.02 degrees above the
+/// optimum in two rows, so ours may be below.
 TEST(ClosedForm, UnreachableProxiesGiveTheGlobalOptimum) {
   const auto finger = make_finger_exoskeleton(finger_sign_change());
   struct Row {
@@ -227,8 +227,8 @@ FunctionMap turntable() {
       [](const VecQ&) { return MatXQ((MatXQ(2, 2) << 1.0, 0.5, 0.0, 1.0).finished()); });
 }
 
-/// core/METHOD.md#half-turns, for angles: half a turn away everything stays finite, and a whole
-/// turn more is the same proxy.
+/// tests/report/STUDY.md#half-turns, for angles: half a turn away everything stays finite, and a
+/// whole turn more is the same proxy.
 TEST(Renderers, HalfTurnFiniteWholeTurnZero) {
   const FunctionMap map = turntable();
   const VecQ q = (VecQ(2) << 0.3, -0.4).finished();
@@ -279,8 +279,8 @@ TEST(Iteration, AllocatesNothing) {
   }
 }
 
-/// core/METHOD.md#near-the-fold. The linearised method depends on the Jacobian there, Eq. (6) does
-/// not.
+/// tests/report/STUDY.md#spike-near-the-fold. The linearised method depends on the Jacobian there,
+/// Eq. (6) does not.
 TEST(ExactMethod, StaysSmallNearTheFold) {
   const std::unique_ptr<Kinematics> finger = make_finger_exoskeleton(finger_sign_change());
   const VecX x = VecX::Zero(2);

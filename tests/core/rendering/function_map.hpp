@@ -55,7 +55,7 @@ inline std::vector<Coordinate> coordinates(int n_x, Unit unit = Unit::kMetre,
   return list;
 }
 
-/// The map of core/METHOD.md#curved-wide-map: curved, wide, q_a = (q0, q1), q_n = q2.
+/// The map of tests/report/STUDY.md#curved-wide-map: curved, wide, q_a = (q0, q1), q_n = q2.
 inline FunctionMap wide_map(double half_width = 1.0) {
   const Eigen::Matrix<double, 2, 3> A =
       (Eigen::Matrix<double, 2, 3>() << 1, .6, -.4, .3, 1.2, .8).finished();
@@ -77,8 +77,8 @@ inline FunctionMap wide_map(double half_width = 1.0) {
       });
 }
 
-/// The hand of core/METHOD.md#larger-devices: a tracked wrist (position, rotation vector) and
-/// fingers of four joints (abduction, three flexions), known by three points per finger. Sensed
+/// The hand of tests/report/STUDY.md#larger-devices: a tracked wrist (position, rotation vector)
+/// and fingers of four joints (abduction, three flexions), known by three points per finger. Sensed
 /// wrist, actuated flexions of the first joint.
 inline FunctionMap hand(int fingers) {
   const int n_q = 6 + 4 * fingers, n_x = 9 * fingers;

@@ -182,8 +182,8 @@ TEST(MechanismLimits, DiskAndBoxMakeACorner) {
   EXPECT_NEAR((out.q_star - 0.5 * two(0.2, 0.9).normalized()).norm(), 0.0, 1e-9);
 }
 
-/// core/METHOD.md#unreachable-proxies and others: the iteration, from beside it, ends where the
-/// traced edge of the closed form does.
+/// tests/report/STUDY.md#unreachable-proxies and others: the iteration, from beside it, ends where
+/// the traced edge of the closed form does.
 TEST(MechanismLimits, IterationEndsAtTheFingersOptimum) {
   const Limited map(make_finger_exoskeleton(finger_sign_change()), {});
   std::mt19937_64 random(6);

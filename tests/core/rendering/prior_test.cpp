@@ -1,5 +1,5 @@
 // core/METHOD.md#projection-algorithm, case B: the prior where J does not have full column rank.
-// Cases 9b, 12, 25 of core/METHOD.md#hard-cases.
+// Cases 9b, 12, 25 of tests/report/STUDY.md#hard-cases.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -60,7 +60,7 @@ double loop_work(int i, int j, Force force) {
 
 constexpr int kPlanes[3][2] = {{0, 1}, {0, 2}, {1, 2}};
 
-/// core/METHOD.md#curved-wide-map.
+/// tests/report/STUDY.md#curved-wide-map.
 TEST(Prior, NoCyclePumpsEnergy) {
   const FunctionMap map = samples::wide_map();
   for (const double mu : {1e-3, 0.1}) {
@@ -237,7 +237,8 @@ TEST(Prior, PointsOfAHandNeedOne) {
   const FunctionMap hand = samples::hand(2);
   EXPECT_THROW(require_rank(ProjectionModel(hand)), SceneError);
   EXPECT_NO_THROW(require_rank(ProjectionModel(samples::hand(4))));  // its points do determine it
-  // The weights of core/METHOD.md#larger-devices: 0.1 per m of the wrist, 5 mm per rad elsewhere.
+  // The weights of tests/report/STUDY.md#larger-devices: 0.1 per m of the wrist, 5 mm per rad
+  // elsewhere.
   VecQ M_n(12);
   M_n << VecQ::Constant(3, 400.0), VecQ::Ones(9);
   const ProjectionModel model(hand, with_prior(2.5e-5, M_n));

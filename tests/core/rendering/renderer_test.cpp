@@ -85,7 +85,7 @@ TEST(Renderers, AgreeWithDenseAlgebra) {
       EXPECT_TRUE(near(force(RendererKind::kStandard, *map, q, x, Z_q), standard));
       EXPECT_TRUE(near(force(RendererKind::kNullSpace, *map, q, x, Z_q), null_space));
       EXPECT_TRUE(near(force(RendererKind::kSubspaceLinear, *map, q, x, Z_q), subspace));
-      // core/METHOD.md#linear-map: on a linear map Eq. (6) is Eq. (8).
+      // tests/report/STUDY.md#linear-map: on a linear map Eq. (6) is Eq. (8).
       EXPECT_TRUE(near(force(RendererKind::kSubspaceExact, *map, q, x, Z_q), subspace));
     }
   }
@@ -105,7 +105,7 @@ TEST(Renderers, LinearMapExactAndLinearisedAgree) {
   }
 }
 
-/// core/METHOD.md#block-diagonal-map: 3-DoF force, 6-DoF sensing, block-diagonal J.
+/// tests/report/STUDY.md#block-diagonal-map: 3-DoF force, 6-DoF sensing, block-diagonal J.
 TEST(Renderers, BlockDiagonalStandardIsNullSpace) {
   std::mt19937_64 random(5);
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6, 6);
@@ -127,8 +127,8 @@ TEST(Renderers, BlockDiagonalStandardIsNullSpace) {
   }
 }
 
-/// core/METHOD.md#null-space-stiffness: tau_null = K_null dq_a with K_null = k J_a^T N J_a, dq_a
-/// the deviation of Eq. (8).
+/// tests/report/STUDY.md#null-space-stiffness: tau_null = K_null dq_a with K_null = k J_a^T N J_a,
+/// dq_a the deviation of Eq. (8).
 TEST(Renderers, NullSpaceIsReweightedSubspaceMethod) {
   std::mt19937_64 random(6);
   for (int i = 0; i < 500; ++i) {
@@ -186,8 +186,8 @@ TEST(Renderers, WideAnswerHasMinimumNorm) {
   EXPECT_LT((tau - Z_q.cwiseProduct(dq)).norm(), 1e-12 * tau.norm());
 }
 
-/// Case by core/METHOD.md#fig-4: the error of Eq. (8) against (6) falls with the square of the
-/// deviation.
+/// Case by tests/report/STUDY.md#fig-4-finger_sign_change: the error of Eq. (8) against (6) falls
+/// with the square of the deviation.
 TEST(Renderers, SmallDeviationMakesExactLinearised) {
   const auto finger = make_finger_exoskeleton(finger_sign_change());
   const VecA Z_q = VecA::Constant(1, 1500.0);

@@ -1,5 +1,6 @@
-// The paper's Fig. 4 with the metrics of core/METHOD.md#finite-difference-rule: cases 7, 8 and 9 of
-// core/METHOD.md#hard-cases, all unguarded.
+// The paper's Fig. 4 with the metrics of
+// tests/report/STUDY.md#finite-difference-rule-finger_sign_change: cases 7, 8 and 9 of
+// tests/report/STUDY.md#hard-cases, all unguarded.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +23,8 @@ TrajectoryAnalysis analysis(const Kinematics& finger, double A1, double A2, doub
   return TrajectoryAnalysis(finger, sampled(finger, grasp), VecX::Zero(2), 1.0);
 }
 
-/// core/METHOD.md#finite-difference-rule, the table of trajectory A; every entry within 0.05.
+/// tests/report/STUDY.md#finite-difference-rule-finger_sign_change, the table of trajectory A;
+/// every entry within 0.05.
 TEST(TrajectoryA, ReproducesTheTable) {
   struct Row {
     RendererKind kind;
@@ -78,8 +80,8 @@ TEST(TrajectoryB, OnlyTheLinearisedMethodIsActive) {
   EXPECT_LT(std::abs(exact.cycle_work_pct), 1e-9);
 }
 
-/// core/METHOD.md#held-proxy-potential: with x held Eq. (6) is a potential; a zero-order hold leaks
-/// exactly sum 1/2 dq^T Z_q dq.
+/// tests/report/STUDY.md#held-proxy-potential: with x held Eq. (6) is a potential; a zero-order
+/// hold leaks exactly sum 1/2 dq^T Z_q dq.
 TEST(ExactMethod, WorkBalancesPotentialOverMillionTicks) {
   const auto finger = make_finger_exoskeleton(finger_sign_change());
   const double Z_q = 1500.0;

@@ -248,8 +248,8 @@ double potential(const Vector2d& d) {
   return L <= r ? 0.5 * L * L : r * L - 0.5 * r * r;
 }
 
-/// core/METHOD.md#proxy-step: V jumps by dV, the tank pays it exactly, or the anchor stays on the
-/// way.
+/// tests/report/STUDY.md#proxy-step: V jumps by dV, the tank pays it exactly, or the anchor stays
+/// on the way.
 TEST(CoupledStiffness, TankPaysOrShortensTheSpring) {
   for (const RendererKind renderer : kSubspace) {
     CoupledBench rich(guarded(renderer, 0.05));
@@ -368,9 +368,9 @@ TEST(CoupledStiffness, AllocatesNothingAndReplaysExactly) {
   }
 }
 
-/// core/METHOD.md#coupled-stiffness: Z_q = [a^2, r a b; r a b, b^2] with r = 1 - 2^-40, which is
-/// exact in double and has condition 2.3e12. The law is written in the small difference 1 - r, so
-/// that nothing cancels, in long double.
+/// tests/report/STUDY.md#coupled-stiffness: Z_q = [a^2, r a b; r a b, b^2] with r = 1 - 2^-40,
+/// which is exact in double and has condition 2.3e12. The law is written in the small difference 1
+/// - r, so that nothing cancels, in long double.
 TEST(CoupledStiffness, NearlySingularKeepsTheLaw) {
   constexpr long double a = 30.0L, b = 25.0L, gap = 0x1p-40L;
   const auto ab = static_cast<double>((1.0L - gap) * a * b);

@@ -1,4 +1,4 @@
-/// core/METHOD.md#an-hour-of-ticks.
+/// tests/report/STUDY.md#an-hour-of-ticks.
 
 #include <gtest/gtest.h>
 

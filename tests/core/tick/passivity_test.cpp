@@ -1,4 +1,4 @@
-// The energy tank inside the tick (core/METHOD.md#energy-tank; core/METHOD.md#proxy-step).
+// The energy tank inside the tick (core/METHOD.md#energy-tank; tests/report/STUDY.md#proxy-step).
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -90,7 +90,8 @@ TEST(Pipeline, SilenceEndsForceWithin200Ms) {
   }
 }
 
-/// core/METHOD.md#bad-numbers, and the borders of the device: in the tick of the fault itself.
+/// tests/report/STUDY.md#bad-numbers, and the borders of the device: in the tick of the fault
+/// itself.
 TEST(Pipeline, AnyFaultZeroesItsTick) {
   const std::pair<Fault, void (*)(TickInput&)> faults[] = {
       {Fault::kSampleNotFinite, [](TickInput& in) { in.device.sample.q[0] = std::nan(""); }},

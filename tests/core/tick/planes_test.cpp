@@ -1,5 +1,5 @@
-// Planes in the tick (core/METHOD.md#local-models; core/METHOD.md#late-client and
-// core/METHOD.md#lost-and-repeated-samples).
+// Planes in the tick (core/METHOD.md#local-models; tests/report/STUDY.md#late-client and
+// tests/report/STUDY.md#lost-and-repeated-samples).
 #include <gtest/gtest.h>
 
 #include <string>

@@ -147,7 +147,7 @@ TEST(Replay, ARepeatPausesHalfASecond) {
 }
 
 TEST(Replay, RowsOutOfReachAreReplaced) {
-  // core/METHOD.md#unreachable-proxies: two of its points with the end poses that the global
+  // tests/report/STUDY.md#unreachable-proxies: two of its points with the end poses that the global
   // minimum has.
   const TemporaryFile file(angles("0,0.3,0.3\n0.04,-0.5,0.3\n0.08,-0.5,-0.5\n0.12,0.3,0.3\n"));
   Replay device(playing(file), finger());

@@ -1,5 +1,5 @@
-/// The mechanics of core/METHOD.md#forces-at-the-finger, checked by its published end states, by
-/// energy, and by statics from independent algebra.
+/// The mechanics of tests/report/STUDY.md#chosen-presses-finger_sign_change, checked by its
+/// published end states, by energy, and by statics from independent algebra.
 #include "hw/simulated/finger_physics.hpp"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ Eigen::Vector2d lever_arms(const Eigen::Vector2d& x) {
 }
 
 TEST(FingerPhysics, AFreeFingerReachesItsAim) {
-  // core/METHOD.md#forces-at-the-finger, column "none": 50, 50 deg.
+  // tests/report/STUDY.md#chosen-presses-finger_sign_change, column "none": 50, 50 deg.
   const FingerPhysics physics = pressed({}, {50 * kDeg, 50 * kDeg}, 0.0);
   EXPECT_NEAR(physics.x()[0], 50 * kDeg, 1e-6);
   EXPECT_NEAR(physics.x()[1], 50 * kDeg, 1e-6);
@@ -54,9 +54,9 @@ TEST(FingerPhysics, AFreeFingerReachesItsAim) {
 }
 
 TEST(FingerPhysics, PublishedForcesAreReproduced) {
-  // core/METHOD.md#forces-at-the-finger: force and end state, both rounded there. Its two rows of
-  // +10.4 and +19 N are left out: they rest only because their method's force changes with x; held
-  // constant it snaps through.
+  // tests/report/STUDY.md#chosen-presses-finger_sign_change: force and end state, both rounded
+  // there. Its two rows of +10.4 and +19 N are left out: they rest only because their method's
+  // force changes with x; held constant it snaps through.
   struct Row {
     double tau_a, mcp, pip;
   };
@@ -194,8 +194,8 @@ TEST(FingerPhysics, FrictionSticksWithoutCreeping) {
 }
 
 TEST(FingerPhysics, StopsHoldTheFinger) {
-  // core/METHOD.md#unreachable-proxies: aims far outside. The finger rests at the edge, at most
-  // K_h / (K_stop + K_h) of the way from the nearest pose towards its aim.
+  // tests/report/STUDY.md#unreachable-proxies: aims far outside. The finger rests at the edge, at
+  // most K_h / (K_stop + K_h) of the way from the nearest pose towards its aim.
   for (const Eigen::Vector2d& aim :
        {Eigen::Vector2d(-0.5, 0.3), Eigen::Vector2d(-0.7, 0.35), Eigen::Vector2d(-1.0, 0.3),
         Eigen::Vector2d(-0.5, -0.5), Eigen::Vector2d(2.2, 1.0), Eigen::Vector2d(0.3, 2.9)}) {

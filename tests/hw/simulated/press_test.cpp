@@ -1,5 +1,5 @@
 // core/METHOD.md#forces-at-the-finger and core/METHOD.md#energy-tank with the finger
-// (core/METHOD.md#guarded-press): what a press is like under guard and tank.
+// (tests/report/STUDY.md#guarded-press): what a press is like under guard and tank.
 #include "tests/hw/simulated/press.hpp"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,8 @@ using core::RendererKind;
 constexpr RendererKind kAll[] = {RendererKind::kStandard, RendererKind::kNullSpace,
                                  RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact};
 
-/// Stops and stiffnesses of the table in core/METHOD.md#forces-at-the-finger, and both joints at
-/// 6000 N/m.
+/// Stops and stiffnesses of the table in tests/report/STUDY.md#chosen-presses-finger_sign_change,
+/// and both joints at 6000 N/m.
 struct Row {
   Eigen::Vector2d stop;
   double stiffness;
@@ -52,8 +52,8 @@ TEST(Press, UnguardedRenderersEndAsPredicted) {
     int row;
     double mcp, pip, force;
   };
-  // The table of core/METHOD.md#forces-at-the-finger, null-space and (8): the rows without a
-  // runaway.
+  // The table of tests/report/STUDY.md#chosen-presses-finger_sign_change, null-space and (8): the
+  // rows without a runaway.
   const End ends[] = {{RendererKind::kNullSpace, 0, 47.7, 45.5, -4.0},
                       {RendererKind::kSubspaceLinear, 0, 47.4, 44.8, -4.6},
                       {RendererKind::kSubspaceExact, 0, 50.8, 51.7, +1.6},
@@ -113,7 +113,7 @@ TEST(Press, EmptyTankLeavesAPressAlone) {
   }
 }
 
-/// The 24 runs of core/METHOD.md#forces-at-the-finger.
+/// The 24 runs of tests/report/STUDY.md#chosen-presses-finger_sign_change.
 template <typename Visit>
 void over_method_24(Visit visit) {
   for (const Eigen::Vector2d& target :

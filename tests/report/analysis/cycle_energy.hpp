@@ -1,8 +1,9 @@
 #pragma once
-/// Energy over a path of the device, the test the paper lacks (core/METHOD.md#cyclic-energy and
-/// core/METHOD.md#finite-difference-rule): a force that is the gradient of a potential does no work
-/// around a closed cycle, whichever way it is run. Trapezoidal rule. One actuated DoF; works of
-/// several DoFs add up.
+/// Energy over a path of the device, the test the paper lacks
+/// (tests/report/STUDY.md#cyclic-energy-finger_sign_change and
+/// tests/report/STUDY.md#finite-difference-rule-finger_sign_change): a force that is the gradient
+/// of a potential does no work around a closed cycle, whichever way it is run. Trapezoidal rule.
+/// One actuated DoF; works of several DoFs add up.
 
 #include <span>
 

@@ -1,7 +1,8 @@
 #pragma once
 /// The paper's measured impedance, Delta tau_a/Delta q_a between samples (section VI.C), with the
-/// rule for small denominators of core/METHOD.md#finite-difference-rule: a ratio of two small
-/// numbers says nothing, so small steps are left out, and how many is reported beside the result.
+/// rule for small denominators of tests/report/STUDY.md#finite-difference-rule-finger_sign_change:
+/// a ratio of two small numbers says nothing, so small steps are left out, and how many is reported
+/// beside the result.
 
 #include <span>
 #include <vector>
@@ -10,7 +11,7 @@ namespace haptic::core {
 
 /// A step counts when |dq_a| > max(small_step * rms, 5 sigma_q), rms over all steps.
 struct StepRule {
-  double small_step{0.1};  ///< share of the rms step, core/METHOD.md#finite-difference-rule
+  double small_step{0.1};  ///< share of the rms step
   double sigma_q{0.0};     ///< standard deviation of the sensor's noise, unit of q_a
 };
 

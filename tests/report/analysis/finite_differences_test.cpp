@@ -42,7 +42,7 @@ TEST(FiniteDifferences, TakesNoStepAcrossAGap) {
   EXPECT_TRUE(std::isnan(fd.impedance[1]));
 }
 
-/// core/METHOD.md#frozen-actuator.
+/// tests/report/STUDY.md#frozen-actuator.
 TEST(FiniteDifferences, AFrozenActuatorDividesByNothing) {
   constexpr std::array<double, 3> kStill{1, 1, 1}, kForce{1, 2, 0};
   const FiniteDifferences fd = finite_differences(kStill, kForce);

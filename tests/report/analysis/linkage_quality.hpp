@@ -1,7 +1,7 @@
 #pragma once
 /// Measures of a linkage of the finger over the workspace [0,80] x [0,90] deg:
-/// core/METHOD.md#choice-of-the-linkage. w is the gradient of q_a(x), m/rad: the torque at each
-/// joint of 1 N at the actuator.
+/// tests/report/STUDY.md#choice-of-the-linkage. w is the gradient of q_a(x), m/rad: the torque at
+/// each joint of 1 N at the actuator.
 
 #include <optional>
 

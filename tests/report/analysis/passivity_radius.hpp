@@ -1,8 +1,8 @@
 #pragma once
 /// How far the proxy may be from the probe before a renderer's exact displayed impedance stops
 /// being negative definite on the actuated DoFs (core/METHOD.md#exact-derivatives). Necessary, not
-/// sufficient for passivity: Eq. (8) keeps within it on trajectory A (core/METHOD.md#fig-4) and
-/// still gives energy per cycle.
+/// sufficient for passivity: Eq. (8) keeps within it on trajectory A
+/// (tests/report/STUDY.md#fig-4-finger_sign_change) and still gives energy per cycle.
 
 #include <optional>
 

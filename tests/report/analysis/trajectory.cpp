@@ -48,7 +48,8 @@ Trajectory sampled(const Kinematics& kinematics, const GraspCycle& grasp) {
   }
   Trajectory result;
   for (int i = 0; i < n * grasp.cycles; ++i) {
-    // 2 pi f t, written as core/METHOD.md#finite-difference-rule samples it: t_i = i / rate.
+    // 2 pi f t, written as tests/report/STUDY.md#finite-difference-rule-finger_sign_change samples
+    // it: t_i = i / rate.
     const double wt = 2.0 * std::numbers::pi * grasp.frequency * i / grasp.sample_rate;
     VecX x(2);
     x << grasp.offset1 + grasp.A1 * (1.0 - std::cos(wt)) / 2.0,

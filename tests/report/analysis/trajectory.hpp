@@ -1,6 +1,7 @@
 #pragma once
 /// Paths of a device through its poses, with the proxy held: what the paper's Fig. 4 is made of
-/// (section VI.C; core/METHOD.md#fig-4 and core/METHOD.md#finite-difference-rule).
+/// (section VI.C; tests/report/STUDY.md#fig-4-finger_sign_change and
+/// tests/report/STUDY.md#finite-difference-rule-finger_sign_change).
 
 #include <vector>
 
@@ -19,10 +20,10 @@ struct Trajectory {
 };
 
 /// q_o1 = offset1 + A1 (1 - cos wt)/2, q_o2 = offset2 + A2 (1 - cos(wt - psi))/2:
-/// core/METHOD.md#fig-4. Angles in rad.
+/// tests/report/STUDY.md#fig-4-finger_sign_change. Angles in rad.
 struct GraspCycle {
   double A1{0.0}, A2{0.0}, psi{0.0};
-  double offset1{4.0 * 0.017453292519943295};  ///< core/METHOD.md#fig-4: 4 deg
+  double offset1{4.0 * 0.017453292519943295};  ///< 4 deg
   double offset2{4.0 * 0.017453292519943295};
   double frequency{0.5};      ///< Hz
   double sample_rate{500.0};  ///< Hz; a cycle must be a whole number of samples

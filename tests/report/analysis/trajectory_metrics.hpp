@@ -1,7 +1,7 @@
 #pragma once
-/// The figures of core/METHOD.md#finite-difference-rule for one trajectory and each renderer, with
-/// the proxy held: range of the force, theoretical, exact and measured impedance, work per cycle.
-/// Unguarded, as the paper's.
+/// The figures of tests/report/STUDY.md#finite-difference-rule-finger_sign_change for one
+/// trajectory and each renderer, with the proxy held: range of the force, theoretical, exact and
+/// measured impedance, work per cycle. Unguarded, as the paper's.
 
 #include <vector>
 

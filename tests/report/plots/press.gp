@@ -1,4 +1,4 @@
-# Random presses, core/METHOD.md#presses. csv: haptic-report press; heading: the linkage.
+# Random presses, tests/report/STUDY.md#presses. csv: haptic-report press; heading: the linkage.
 load "style.gp"
 
 press_methods = methods." per_contact"

@@ -1,6 +1,6 @@
-// core/METHOD.md#guarded-press: the rows of core/METHOD.md#forces-at-the-finger on the real
-// Pipeline and the simulated finger, every renderer with the guard. Virtual time; the client has no
-// delay.
+// tests/report/STUDY.md#guarded-press: the rows of
+// tests/report/STUDY.md#chosen-presses-finger_sign_change on the real Pipeline and the simulated
+// finger, every renderer with the guard. Virtual time; the client has no delay.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -115,7 +115,8 @@ TEST(AtTheFinger, GuardedForceNeverLeavesTheProxy) {
   }
 }
 
-/// The end states of core/METHOD.md#forces-at-the-finger, for the default renderer: (8).
+/// The end states of tests/report/STUDY.md#chosen-presses-finger_sign_change, for the default
+/// renderer: (8).
 TEST(AtTheFinger, TheLinearisedMethodEndsAsPublished) {
   struct End {
     Row row;

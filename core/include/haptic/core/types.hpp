@@ -9,8 +9,8 @@ namespace haptic::core {
 /// Largest device: 6-DoF wrist and five fingers of three joints, with room to spare
 /// (core/METHOD.md#metric-and-limits).
 inline constexpr int kMaxQ = 24;
-/// Largest virtual configuration: 24 points in space (core/METHOD.md#solver-error, the 72 x 24
-/// case).
+/// Largest virtual configuration: 24 points in space (tests/report/STUDY.md#solver-error, the 72 x
+/// 24 case).
 inline constexpr int kMaxX = 72;
 
 using VecQ = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxQ, 1>;  ///< n_q; m or rad per DoF

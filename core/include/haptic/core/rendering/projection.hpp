@@ -1,5 +1,5 @@
 #pragma once
-/// What a renderer is given and what it answers (core/METHOD.md#fig-4 and
+/// What a renderer is given and what it answers (tests/report/STUDY.md#fig-4-finger_sign_change and
 /// core/METHOD.md#nonlinear-projection).
 
 #include "haptic/core/contacts/contacts.hpp"

@@ -88,9 +88,9 @@ class ProjectionModel {
 void check_coupling(const Kinematics& kinematics, const StiffnessCoupling& coupling);
 
 /// A scene needs a prior if the condition exceeds this in half of the poses of the box: errors of x
-/// are then amplified a hundredfold. Measured medians: the hand of core/METHOD.md#larger-devices,
-/// known by three points per finger, 264 with two fingers, 19 with three, 11 with four; finger
-/// exoskeleton 3.
+/// are then amplified a hundredfold. Measured medians: the hand of
+/// tests/report/STUDY.md#larger-devices, known by three points per finger, 264 with two fingers, 19
+/// with three, 11 with four; finger exoskeleton 3.
 inline constexpr double kWellConditioned = 100.0;
 
 /// Throws SceneError if the scene needs a prior and has none: the condition of J, weighed and

@@ -97,7 +97,8 @@ PointMap point_on_pose(const std::vector<double>& x, const Vector3& offset,
     q[i] = x.at(first_coordinate + 3 + i);
     square += q[i] * q[i];
   }
-  for (double& part : q) part /= std::sqrt(square);
+  const double length = std::sqrt(square);
+  for (double& part : q) part /= length;
   // R r = q r q* is a quadratic form of q with the second derivative 2 M: by v = (qx, qy, qz) and w
   // it is (w^2 - v.v) r + 2 v (v.r) + 2 w v x r.
   const Vector3 r = offset, v{q[0], q[1], q[2]};
@@ -121,7 +122,7 @@ PointMap point_on_pose(const std::vector<double>& x, const Vector3& offset,
     }
   }
   for (std::size_t k = 0; k < 3; ++k) twice_M[3][3][k] = 2.0 * r[k];
-  // Of q^T M q / q^T q at a q of length 1.
+  // The derivatives of q^T M q / q^T q.
   Vector3 slope[4]{};  // 2 M q
   for (std::size_t i = 0; i < 4; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -130,16 +131,16 @@ PointMap point_on_pose(const std::vector<double>& x, const Vector3& offset,
   }
   for (std::size_t i = 0; i < 4; ++i) {
     Vector3 column;
-    for (std::size_t k = 0; k < 3; ++k) column[k] = slope[i][k] - 2.0 * q[i] * turned[k];
+    for (std::size_t k = 0; k < 3; ++k) column[k] = (slope[i][k] - 2.0 * q[i] * turned[k]) / length;
     map.jacobian.push_back(column);
   }
   map.second.resize(at(6, 6) + 1);
   for (std::size_t i = 0; i < 4; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
       for (std::size_t k = 0; k < 3; ++k) {
-        map.second[at(3 + i, 3 + j)][k] = twice_M[i][j][k] -
-                                          2.0 * (slope[i][k] * q[j] + slope[j][k] * q[i]) +
-                                          (8.0 * q[i] * q[j] - (i == j ? 2.0 : 0.0)) * turned[k];
+        const double bend = twice_M[i][j][k] - 2.0 * (slope[i][k] * q[j] + slope[j][k] * q[i]) +
+                            (8.0 * q[i] * q[j] - (i == j ? 2.0 : 0.0)) * turned[k];
+        map.second[at(3 + i, 3 + j)][k] = bend / square;
       }
     }
   }

@@ -81,12 +81,13 @@ export function pointItself(x: number[], firstCoordinate = 0): PointMap {
 }
 
 /** Coordinates: x, y, z, m, and a quaternion qx, qy, qz, qw (an output of kind frame, a palm, a
- * stylus). `offset`: the point in that frame, m. Derivatives are those of the normalised
- * quaternion's map. */
+ * stylus), which is normalised, and the derivatives are those of that. `offset`: the point in that
+ * frame, m. */
 export function pointOnPose(x: number[], offset: Vector3, firstCoordinate = 0): PointMap {
   const itself = pointItself(x, firstCoordinate);
   const raw = x.slice(firstCoordinate + 3, firstCoordinate + 7);
-  const q = raw.map((part) => part / Math.hypot(...raw)) as [number, number, number, number];
+  const length = Math.hypot(...raw);
+  const q = raw.map((part) => part / length) as [number, number, number, number];
   const v: Vector3 = [q[0], q[1], q[2]], w = q[3], r = offset;
   // R r is a quadratic form of q with the second derivative 2 M = twice.
   const unit: Vector3[] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
@@ -101,16 +102,16 @@ export function pointOnPose(x: number[], offset: Vector3, firstCoordinate = 0): 
   };
   const vxr = cross(v, r), vr = dot(v, r);
   const turned = vector((k) => (w * w - dot(v, v)) * r[k] + 2 * v[k] * vr + 2 * w * vxr[k]);
-  // Of q^T M q / q^T q at a q of length 1.
+  // The derivatives of q^T M q / q^T q.
   const slope = q.map((_, i) => vector((k) => q.reduce((s, qj, j) => s + twice(i, j)[k] * qj, 0)));
-  const bend = (i: number, j: number): Vector3 => vector((k) => twice(i, j)[k] -
+  const bend = (i: number, j: number): Vector3 => vector((k) => (twice(i, j)[k] -
     2 * (slope[i]![k] * q[j]! + slope[j]![k] * q[i]!) +
-    (8 * q[i]! * q[j]! - (i === j ? 2 : 0)) * turned[k]);
+    (8 * q[i]! * q[j]! - (i === j ? 2 : 0)) * turned[k]) / length ** 2);
   return {
     firstCoordinate,
     position: vector((k) => itself.position[k] + turned[k]),
     jacobian: [...itself.jacobian,
-      ...slope.map((s, i) => vector((k) => s[k] - 2 * q[i]! * turned[k]))],
+      ...slope.map((s, i) => vector((k) => (s[k] - 2 * q[i]! * turned[k]) / length))],
     second: triangle(7, (i, j) => (j >= 3 ? bend(i - 3, j - 3) : vector(() => 0))),
   };
 }
@@ -203,7 +204,8 @@ const UNKNOWN_ROUND_TRIP_MS = 200;
 
 /** Contacts with a gap up to this, m, should be told before they are touched: how far a point may
  * get until the next sample's law is in use. `roundTripMs`: Session.roundTripMs; `periodMs`: of
- * your samples. */
-export function contactHorizon(roundTripMs: number, periodMs: number): number {
-  return FASTEST_POINT * ((roundTripMs || UNKNOWN_ROUND_TRIP_MS) + periodMs) / 1000;
+ * your samples; `vMax`: of the point, m/s. */
+export function contactHorizon(roundTripMs: number, periodMs: number,
+                               vMax = FASTEST_POINT): number {
+  return vMax * ((roundTripMs || UNKNOWN_ROUND_TRIP_MS) + periodMs) / 1000;
 }

@@ -25,6 +25,8 @@ export { Proxy, difference, keepDeepest } from "./proxy.js";
 export type { Plane, Pose } from "./proxy.js";
 export { Session } from "./session.js";
 export type { SessionOptions, Settings } from "./session_options.js";
+export { solve } from "./solve.js";
+export type { Solution, SolveOptions } from "./solve.js";
 export { bitNames, enumName, stateFields } from "./state_fields.js";
 export type { StateField } from "./state_fields.js";
 export type { PublishStatistics } from "./statistics.js";

@@ -1,76 +1,109 @@
-// Contacts from a simulation's geometry, against differences of the gap itself.
+// Contacts and proxies against the shared vectors of all languages (make_contacts.py), and what is
+// refused.
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { part } from "./package_under_test.mjs";
 
 const haptic = await part("index.js");
-const RADIUS = 0.02, CENTRE = [0.06, 0.01, 0.02], STEP = 1e-4;
+const vectors = JSON.parse(readFileSync(new URL("../contacts.json", import.meta.url), "utf8"));
 
-/** A slide along (0.6, 0.8, 0), and a hinge about z on it. */
-function slideAndHinge(x) {
-  const hinge = [0.6 * x[1], 0.8 * x[1], 0];
-  const point = [hinge[0] + 0.03 * Math.cos(x[2]), hinge[1] + 0.03 * Math.sin(x[2]), 0.01];
-  return haptic.pointOnJoints([{ origin: [0, 0, 0], axis: [0.6, 0.8, 0], prismatic: true },
-    { origin: hinge, axis: [0, 0, 1] }], point, 1);
+function pointOf(tool, x) {
+  if (tool.kind === "itself") return haptic.pointItself(x, tool.first);
+  if (tool.kind === "pose") return haptic.pointOnPose(x, tool.offset, tool.first);
+  if (tool.kind === "joints") return haptic.pointOnJoints(tool.joints, tool.point, tool.first);
+  const { lengths, phalanx, along, palmar, first } = tool;
+  return haptic.pointOnFinger(lengths, x, phalanx, along, palmar, first);
 }
 
-function contact(point, x, rod) {
-  const away = point.position.map((p, k) => (rod && k === 2 ? 0 : p - CENTRE[k]));
-  const distance = Math.hypot(...away), normal = away.map((a) => a / distance);
-  const curvature = rod ? haptic.cylinderCurvature(normal, [0, 0, 1], distance)
-                        : haptic.sphereCurvature(normal, distance);
-  const gap = distance - RADIUS;
-  return { gap, plane: haptic.contactAt(x, { point, normal, gap, curvature, stiffness: 400, id: 7,
-    mass: 0.2, damping: 3, groundStiffness: 50, load: -1, object: rod ? 3 : 0 }, 0.02) };
+function contactOf(told, x) {
+  const { shape, centre, axis, radius } = told.object, point = pointOf(told.tool, x);
+  let away = point.position.map((p, k) => p - centre[k]);
+  const along = away.reduce((sum, a, k) => sum + a * axis[k], 0);
+  if (shape === "rod") away = away.map((a, k) => a - along * axis[k]);
+  const distance = radius > 0 ? Math.hypot(...away) : -Math.hypot(...away);
+  const normal = shape === "wall" ? axis : away.map((a) => a / distance);
+  return { point, normal, gap: shape === "wall" ? along : distance - radius,
+    ...(shape === "ball" && { curvature: haptic.sphereCurvature(normal, distance) }),
+    ...(shape === "rod" && { curvature: haptic.cylinderCurvature(normal, axis, distance) }),
+    ...(told.stiffness !== "rigid" && { stiffness: told.stiffness }),
+    ...(told.uncertainty !== null && { uncertainty: told.uncertainty }),
+    ...(told.direction.length > 0 && { objectDirection: told.direction }),
+    velocity: told.velocity, id: told.id, mass: told.mass, damping: told.damping,
+    groundStiffness: told.ground_stiffness, load: told.load, object: told.on };
 }
 
-function moved(x, ...by) {
-  const there = [...x];
-  for (const [i, step] of by) there[i] += step;
-  return there;
-}
-
-const near = (actual, expected, within) =>
-  assert.ok(Math.abs(actual - expected) <= within, `${actual}, not ${expected}`);
-
-for (const [name, point, x] of [
-  ["joints", slideAndHinge, [9, 0.02, 0.4]],
-  ["a finger", (y) => haptic.pointOnFinger([0.045, 0.03], y, 1, 0.02, 0.008, 1), [9, 0.4, 0.8]],
-  ["a point", (y) => haptic.pointItself(y, 1), [9, 0.01, 0.02, 0.03]],
-  ["a pose", (y) => haptic.pointOnPose(y, [0.03, -0.02, 0.05], 1),
-   [9, 0.01, 0.02, 0.03, 0.1, -0.2, 0.3, Math.sqrt(0.86)]],
-]) {
-  for (const rod of [false, true]) {
-    test(`the gap of ${name} at a ${rod ? "rod" : "ball"}`, () => {
-      const gap = (y) => contact(point(y), y, rod).gap;
-      const { plane } = contact(point(x), x, rod);
-      near(plane.normal.reduce((sum, a, i) => sum - a * x[i], plane.offset), gap(x), 1e-15);
-      assert.deepEqual([plane.compliance, plane.mass, plane.damping, plane.groundStiffness,
-        plane.load], [5e-5, 10, 150, 2500, -50]);
-      assert.deepEqual([plane.firstCoordinate, plane.id, plane.object,
-        plane.objectDirection.length], [1, 7, rod ? 3 : 0, rod ? 3 : 0]);
-      near(plane.normal[0], 0, 0);
-      for (let i = 1, k = 0; i < x.length; ++i) {
-        const slope = (gap(moved(x, [i, STEP])) - gap(moved(x, [i, -STEP]))) / (2 * STEP);
-        near(-plane.normal[i], slope, 1e-6);
-        for (let j = 1; j <= i; ++j, ++k) {
-          let second = 0;
-          for (const [a, b] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
-            second += a * b * gap(moved(x, [i, a * STEP], [j, b * STEP]));
-          }
-          near(plane.curvature[k], second / (4 * STEP * STEP), 1e-3);
-        }
-      }
-    });
+function near(actual, expected, within) {
+  assert.equal(actual.length, expected.length);
+  for (const [i, value] of actual.entries()) {
+    assert.ok(Math.abs(value - expected[i]) <= within, `${i}: ${value}, not ${expected[i]}`);
   }
 }
+
+test("planes are the shared ones", () => {
+  for (const { contact, x, coupling, plane: expected } of vectors.planes) {
+    const plane = haptic.contactAt(x, contactOf(contact, x), coupling);
+    near(plane.normal, expected.normal, 1e-15);
+    near(plane.curvature, expected.curvature, 1e-13);
+    near(plane.objectDirection, expected.object_direction, 1e-15);
+    near([plane.offset, plane.compliance, plane.velocity, plane.mass, plane.damping,
+      plane.groundStiffness, plane.load], [expected.offset, expected.compliance, expected.velocity,
+      expected.mass, expected.damping, expected.ground_stiffness, expected.load], 1e-15);
+    assert.deepEqual(
+      [plane.uncertainty ?? null, plane.firstCoordinate, plane.id, plane.object],
+      [expected.uncertainty, expected.first_coordinate, expected.id, expected.object]);
+  }
+});
+
+test("proxies are the shared ones", () => {
+  for (const { contacts, x_probe, start, weights, coupling, x } of vectors.solve) {
+    const found = haptic.solve((y) => contacts.map((told) => contactOf(told, y)), x_probe,
+      coupling, { start, weights });
+    assert.ok(found.converged && found.iterations <= 12);
+    near(found.x, x, 1e-10);
+    assert.equal(found.proxy.planes.length, contacts.length);
+  }
+});
+
+test("horizons are the shared ones", () => {
+  for (const { round_trip_s: roundTrip, period_s: period, v_max: vMax, metres } of
+    vectors.horizon) {
+    near([haptic.contactHorizon(1e3 * roundTrip, 1e3 * period, vMax)], [metres], 1e-15);
+  }
+});
+
+const wall = (gap, slope, stiffness) => ({ point: { firstCoordinate: 0, position: [0, 0, 0],
+  jacobian: [[slope, 0, 0]], second: [] }, normal: [1, 0, 0], gap, stiffness });
+
+test("contradictions do not converge", () => {
+  const found = haptic.solve(([x]) => [wall(-x, -1), wall(x - 1, 1)], [5], 1);
+  assert.equal(found.converged, false);
+  near(found.x, [0.5], 1e-6);
+});
+
+test("solve stops after its iterations", () => {
+  const ball = (x) => contactOf({ ...vectors.solve[0].contacts[0], id: 1 }, x);
+  const found = haptic.solve((x) => [ball(x)], [0.003, 0.001, 0], 1,
+    { start: [0, 0.03, 0], iterations: 2 });
+  assert.deepEqual([found.converged, found.iterations], [false, 2]);
+});
+
+test("what is not allowed is named", () => {
+  for (const [contacts, xProbe, coupling, options, words] of [
+    [[], [0, NaN], 1, {}, "xProbe[1]: NaN, must be finite"],
+    [[], [0], 0, {}, "coupling[0]: 0, must be finite and > 0"],
+    [[], [0], 1, { start: [0, 0] }, "options.start: has 2 values, must have 1"],
+    [[], [0], 1, { weights: [0] }, "options.weights[0]: 0, must be finite and > 0"],
+    [[wall(NaN, 1)], [0], 1, {}, "contacts[0].gap: NaN, must be finite"],
+    [[wall(0, 1, -1)], [0], 1, {}, "contacts[0].stiffness: -1, must be > 0"],
+    [[wall(0, NaN)], [0], 1, {}, "contacts[0].normal . point.jacobian[0]: NaN, must be finite"],
+  ]) {
+    assert.throws(() => haptic.solve(() => contacts, xProbe, coupling, options),
+      { name: "RangeError", message: words });
+  }
+});
 
 test("coordinates beyond x are refused", () => {
   const outside = { point: haptic.pointItself([0, 0, 0, 0], 1), normal: [1, 0, 0], gap: 0 };
   assert.throws(() => haptic.contactAt([0, 0, 0], outside, 1), RangeError);
-});
-
-test("the horizon is how far points get", () => {
-  near(haptic.contactHorizon(100, 20), 0.06, 1e-15);
-  near(haptic.contactHorizon(0, 0), 0.1, 1e-15);
 });

@@ -9,6 +9,8 @@
 #include <limits>
 #include <random>
 
+#include "tests/client/rules/expect_near.hpp"
+
 namespace haptic::client {
 namespace {
 
@@ -26,11 +28,6 @@ ContactsAt ball(double stiffness, double radius = kRadius) {
     c.curvature = sphere_curvature(c.normal, out);
     return std::vector<Contact>{c};
   };
-}
-
-void expect_near(const Vector& a, const Vector& b, double within) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], within) << i;
 }
 
 TEST(Solve, ABallPushesAlongItsRadius) {

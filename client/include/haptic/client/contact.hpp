@@ -62,8 +62,8 @@ struct JointAxis {
 [[nodiscard]] PointMap point_itself(const std::vector<double>& x, std::size_t first_coordinate = 0);
 
 /// Coordinates: x, y, z, m, and a quaternion qx, qy, qz, qw (an output of kind frame, a palm, a
-/// stylus). `offset`: the point in that frame, m. Derivatives are those of the normalised
-/// quaternion's map. Throws std::out_of_range.
+/// stylus), which is normalised, and the derivatives are those of that. `offset`: the point in that
+/// frame, m. Throws std::out_of_range.
 [[nodiscard]] PointMap point_on_pose(const std::vector<double>& x, const Vector3& offset,
                                      std::size_t first_coordinate = 0);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Boost.Beast as this folder uses it (private to web_server.cpp, the one place that compiles it).
+/// Boost.Beast as this folder uses it (private to it).
 
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
@@ -24,8 +24,5 @@ namespace websocket = beast::websocket;
 /// TCP or a UNIX socket.
 using PlainStream = beast::basic_stream<asio::generic::stream_protocol>;
 using TlsStream = beast::ssl_stream<PlainStream>;
-/// Without compression.
-template <typename Stream>
-using WebSocket = websocket::stream<Stream, false>;
 
 }  // namespace haptic::server

@@ -18,11 +18,10 @@ inline constexpr std::chrono::seconds kHeadWithin{5}, kBodyWithin{5}, kAnswerWit
 inline constexpr std::uint32_t kLongestHead = 8 * 1024;
 inline constexpr std::size_t kDropped = 8 * 1024;  ///< at a time
 
-template <typename Stream>
 class HttpConnection final : public WebConnection,
-                             public std::enable_shared_from_this<HttpConnection<Stream>> {
+                             public std::enable_shared_from_this<HttpConnection> {
  public:
-  HttpConnection(Stream stream, WebShared& shared, WebPeer peer)
+  HttpConnection(WebStream stream, WebShared& shared, WebPeer peer)
       : stream_(std::move(stream)), shared_(shared), peer_(std::move(peer)) {}
 
   void read(std::chrono::seconds within = kHeadWithin) {
@@ -32,14 +31,14 @@ class HttpConnection final : public WebConnection,
     lowest().expires_after(within);
     http::async_read_header(
         stream_, buffer_, *parser_,
-        [self = this->shared_from_this()](beast::error_code error, std::size_t bytes) {
+        [self = shared_from_this()](beast::error_code error, std::size_t bytes) {
           self->read_head(error, bytes);
         });
   }
   void cut() override { lowest().close(); }
 
   [[nodiscard]] WebShared& shared() noexcept { return shared_; }
-  [[nodiscard]] Stream& stream() noexcept { return stream_; }
+  [[nodiscard]] WebStream& stream() noexcept { return stream_; }
   [[nodiscard]] WebPeer& peer() noexcept { return peer_; }
 
   void answer_call(const UnaryCall& call, const std::optional<Refusal>& why) {
@@ -51,7 +50,7 @@ class HttpConnection final : public WebConnection,
  private:
   using Head = http::request<http::string_body>;
 
-  [[nodiscard]] PlainStream& lowest() { return beast::get_lowest_layer(stream_); }
+  [[nodiscard]] PlainStream& lowest() { return stream_.next_layer(); }
   [[nodiscard]] const Head& head() const { return parser_->get(); }
   [[nodiscard]] std::string_view field(http::field name) const {
     const auto value = head()[name];
@@ -165,7 +164,7 @@ class HttpConnection final : public WebConnection,
     lowest().expires_after(kBodyWithin);
     http::async_read(
         stream_, buffer_, *parser_,
-        [self = this->shared_from_this(), method, json](beast::error_code error, std::size_t) {
+        [self = shared_from_this(), method, json](beast::error_code error, std::size_t) {
           if (error) return;
           method == nullptr ? self->check_health(json) : self->call(*method, json);
         });
@@ -176,7 +175,7 @@ class HttpConnection final : public WebConnection,
     peer_.peer.account->call(body.size());
     if (const auto refusal = too_large(body.size())) return refuse(*refusal);
     const auto reply =
-        std::make_shared<WebReply<HttpConnection>>(this->shared_from_this(), peer_.peer.account);
+        std::make_shared<WebReply<HttpConnection>>(shared_from_this(), peer_.peer.account);
     method.make(reply->call);
     reply->call.json = json;
     if (const std::string why = parse(body, json, *reply->call.request); !why.empty()) {
@@ -226,8 +225,8 @@ class HttpConnection final : public WebConnection,
     Peer peer = peer_.peer;
     peer.token = *rights.value;
     lowest().expires_never();
-    const auto socket = std::make_shared<SessionSocket<Stream>>(std::move(stream_), shared_,
-                                                                std::move(peer), !proto);
+    const auto socket =
+        std::make_shared<SessionSocket>(std::move(stream_), shared_, std::move(peer), !proto);
     shared_.add(socket);
     socket->accept(head());
   }
@@ -260,7 +259,7 @@ class HttpConnection final : public WebConnection,
     const bool no_body = read && is(http::verb::head);
     serializer_->split(no_body);
     lowest().expires_after(kAnswerWithin);
-    auto sent = [self = this->shared_from_this()](beast::error_code error, std::size_t) {
+    auto sent = [self = shared_from_this()](beast::error_code error, std::size_t) {
       if (!error) self->answered();
     };
     if (no_body) return http::async_write_header(stream_, *serializer_, std::move(sent));
@@ -277,13 +276,13 @@ class HttpConnection final : public WebConnection,
   /// What is on its way still: if the kernel had to refuse it, the answer would be lost too.
   void drop_rest() {
     buffer_.clear();
-    lowest().async_read_some(buffer_.prepare(kDropped), [self = this->shared_from_this()](
-                                                            beast::error_code error, std::size_t) {
-      if (!error) self->drop_rest();
-    });
+    lowest().async_read_some(buffer_.prepare(kDropped),
+                             [self = shared_from_this()](beast::error_code error, std::size_t) {
+                               if (!error) self->drop_rest();
+                             });
   }
 
-  Stream stream_;
+  WebStream stream_;
   WebShared& shared_;
   WebPeer peer_;
   beast::flat_buffer buffer_{kLongestHead + 8 * 1024};

@@ -10,6 +10,7 @@
 #include "server/front/session/refusals.hpp"
 #include "server/front/web/http_answer.hpp"
 #include "server/front/web/web_shared.hpp"
+#include "server/front/web/web_stream.hpp"
 
 namespace haptic::server {
 
@@ -31,10 +32,9 @@ inline websocket::close_reason close_reason_of(const std::optional<Refusal>& why
   return {code, beast::string_view(sanitised(words, 123))};
 }
 
-template <typename Stream>
 class SessionSocket final : public SessionStream, public WebConnection {
  public:
-  SessionSocket(Stream stream, WebShared& shared, Peer peer, bool json)
+  SessionSocket(WebStream stream, WebShared& shared, Peer peer, bool json)
       : SessionStream(shared.context, std::move(peer), Carrier::kWebSocket),
         shared_(shared),
         socket_(std::move(stream)),
@@ -53,8 +53,7 @@ class SessionSocket final : public SessionStream, public WebConnection {
   ~SessionSocket() override { done(); }
 
   /// On the server's thread, as all that follows but start_write() and finish().
-  template <typename Request>
-  void accept(const Request& request) {
+  void accept(const http::request<http::string_body>& request) {
     socket_.async_accept(request, [self = self()](beast::error_code error) {
       if (!error) self->begin();
     });
@@ -63,7 +62,7 @@ class SessionSocket final : public SessionStream, public WebConnection {
 
  private:
   [[nodiscard]] std::shared_ptr<SessionSocket> self() {
-    return std::static_pointer_cast<SessionSocket>(this->shared_from_this());
+    return std::static_pointer_cast<SessionSocket>(shared_from_this());
   }
 
   void start_read() override {
@@ -75,7 +74,7 @@ class SessionSocket final : public SessionStream, public WebConnection {
 
   void read(beast::error_code error, std::size_t bytes) {
     const core::TimePoint arrival = context_.config.clock({});
-    if (error) return this->lost();
+    if (error) return lost();
     if (!may_parse(bytes)) return;
     if (socket_.got_binary() == json_) {
       return unreadable(json_ ? "haptic.v1.json has text frames"
@@ -125,7 +124,7 @@ class SessionSocket final : public SessionStream, public WebConnection {
   /// The loop goes on until its last words, from whichever thread, have come.
   const asio::executor_work_guard<asio::io_context::executor_type> loop_runs_{
       shared_.loop.get_executor()};
-  WebSocket<Stream> socket_;
+  WebSocket socket_;
   const bool json_;
   beast::flat_buffer incoming_{kLargestFrame};
   v1::SessionRequest request_;

@@ -160,25 +160,19 @@ class WebServer::Impl {
     peer.peer.account = std::move(account);
     asio::generic::stream_protocol::socket socket(
         shared_.loop, asio::generic::stream_protocol(own.ss_family, 0), descriptor);
-    PlainStream stream(std::move(socket));
-    if (!peer.peer.encrypted) return serve(std::move(stream), std::move(peer));
-    const auto connection = std::make_shared<HttpConnection<TlsStream>>(
-        TlsStream(std::move(stream), *tls_), shared_, std::move(peer));
+    PlainStream plain(std::move(socket));
+    const bool encrypted = peer.peer.encrypted;
+    const auto connection = std::make_shared<HttpConnection>(
+        encrypted ? WebStream(std::move(plain), *tls_) : WebStream(std::move(plain)), shared_,
+        std::move(peer));
     shared_.add(connection);
-    beast::get_lowest_layer(connection->stream()).expires_after(kHandshakeWithin);
-    connection->stream().async_handshake(
-        asio::ssl::stream_base::server, [connection](beast::error_code error) {
-          if (error) return;
-          connection->peer().peer.names = certificate_names(connection->stream().native_handle());
-          connection->read();
-        });
-  }
-
-  void serve(PlainStream stream, WebPeer peer) {
-    const auto connection =
-        std::make_shared<HttpConnection<PlainStream>>(std::move(stream), shared_, std::move(peer));
-    shared_.add(connection);
-    connection->read();
+    if (!encrypted) return connection->read();
+    connection->stream().next_layer().expires_after(kHandshakeWithin);
+    connection->stream().handshake(Completion([connection](beast::error_code error) {
+      if (error) return;
+      connection->peer().peer.names = certificate_names(connection->stream().tls());
+      connection->read();
+    }));
   }
 
   const std::vector<Address> addresses_;

@@ -114,7 +114,7 @@ public sealed class HapticSession : IDisposable {
   public ulong Published { get { lock (lock_) return published_; } }
   /// Samples that gave way to a newer one before they could be sent.
   public ulong Conflated { get { lock (lock_) return conflated_; } }
-  /// As the server counts, and why it refused the last one that it refused.
+  /// Samples that the server accepted, and why it refused the last one that it refused.
   public ulong Accepted { get { lock (lock_) return accepted_; } }
   public string LastRejection { get { lock (lock_) return rejection_; } }
   /// Why EngageWhenReady() has no force yet.

@@ -19,7 +19,7 @@ namespace {
 /// The user of the installed service (docker/packaging/debian/sysusers.conf).
 constexpr char kServiceUser[] = "hapticd";
 
-/// As a hapticd that serves at `server` may have named its socket, by
+/// Names that a hapticd that serves at `server` may have given its socket, by
 /// server/owner/local/control_socket.hpp: it may listen on all addresses, or have another word for
 /// this.
 std::vector<std::string> control_names(const std::string& server) {

@@ -18,7 +18,8 @@ int health(const Options& options) {
   return serving ? kDone : kFailed;
 }
 
-/// By the host's own socket if there is one: that needs no network, and no network can undo it.
+/// Stops by the host's own socket if there is one: that needs no network, and no network can undo
+/// it.
 int estop(const Options& options) {
   const std::string device = options.device.empty() ? "" : " " + options.device;
   if (const auto stopped = ask_locally(options.server, "stop" + device + "\n" + options.reason)) {

@@ -10,7 +10,7 @@
 
 namespace haptic::client {
 
-/// By the status and the google.rpc details in it.
+/// The error that the status and the google.rpc details in it say.
 [[nodiscard]] ClientError to_error(const grpc::Status& status);
 /// Throws if the call failed.
 void check(const grpc::Status& status);

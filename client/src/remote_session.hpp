@@ -107,7 +107,7 @@ class RemoteSession final : public Session {
   /// Begins to use the path that `opened_` offers, if any. Throws if the user requires one.
   void start_udp(Lock& lock);
   void stop_udp(Lock& lock);
-  /// By UDP if that is in use. False: the stream has to carry the sample, or carry it too.
+  /// Sends it by UDP if that is in use. False: the stream has to carry the sample, or carry it too.
   [[nodiscard]] bool send_by_udp(const v1::ProxySample& sample, UdpCarrier* udp);
 
   // remote_session.cpp

@@ -147,7 +147,8 @@ class Problem {
     return place;
   }
 
-  /// Of coupling and contacts, by the coupling; a rigid contact costs `rigid` times its depth.
+  /// Energy of coupling and contacts, over the coupling's stiffness; a rigid contact costs `rigid`
+  /// times its depth.
   [[nodiscard]] double energy(const Place& at, double rigid) const {
     double sum = 0.0;
     for (std::size_t i = 0; i < at.x.size(); ++i) {

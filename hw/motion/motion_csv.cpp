@@ -15,7 +15,7 @@ namespace haptic::hw {
 namespace {
 
 constexpr std::string_view kTime = "time_s";
-/// Of a time stamp, and of the whole recording: in nanoseconds both then fit an int64.
+/// Limits of a time stamp, and of the whole recording: in nanoseconds both then fit an int64.
 constexpr double kLargestTime = 9e9;                  // s
 constexpr std::uintmax_t kLargestFile = 256U << 20U;  // bytes
 

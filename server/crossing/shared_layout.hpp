@@ -46,7 +46,7 @@ struct OwnersPages {
   Latest<FrontCounters> counted;  ///< by the fronts before
   std::array<Device, kMostDevices> devices;
 
-  /// As many bytes of it as a scene of so many devices needs.
+  /// Number of its bytes that a scene of so many devices needs.
   [[nodiscard]] static std::size_t bytes(std::size_t devices) noexcept {
     return sizeof(OwnersPages) - (kMostDevices - devices) * sizeof(Device);
   }

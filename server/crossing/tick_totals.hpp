@@ -65,7 +65,7 @@ struct TickTotals {
   std::array<std::uint64_t, 32> limited{};    ///< ticks in which limiter n acted
   std::array<std::uint64_t, 32> faults{};     ///< times fault n latched
   std::uint64_t lost{0};                      ///< times force was given up for a late proxy
-  // Of the newest tick.
+  // Values of the newest tick.
   core::LifecycleState state{core::LifecycleState::kInit};
   double gain{0.0};
   Values error_bound{};  ///< empty: unknown

@@ -55,7 +55,7 @@ class FrontApp {
   /// Ends streams and calls within about a second. Idempotent.
   void stop();
 
-  /// As bound, ports filled in; empty unless running.
+  /// The addresses that were bound, ports filled in; empty unless running.
   [[nodiscard]] std::vector<std::string> addresses() const;
   /// The metrics'; 0 if there are none.
   [[nodiscard]] std::uint16_t metrics_port() const;

@@ -49,7 +49,7 @@ class FrontRunner {
   virtual void before_tick() noexcept {}
   /// A new one takes its place.
   virtual void restart() {}
-  /// As bound, ports filled in.
+  /// The addresses that were bound, ports filled in.
   [[nodiscard]] virtual std::vector<std::string> addresses() const = 0;
 };
 
@@ -73,7 +73,7 @@ class App {
   /// telemetry drained, calls ended; less than 5 s. Idempotent.
   void stop();
 
-  /// As bound, ports filled in; empty unless running.
+  /// The addresses that were bound, ports filled in; empty unless running.
   [[nodiscard]] std::vector<std::string> addresses() const;
   void restart_front() { front_->restart(); }
   [[nodiscard]] const RealtimeGrant& realtime() const noexcept { return realtime_; }

@@ -27,7 +27,7 @@ inline std::int64_t now_ns() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
 }
 
-/// As hapticd does while a device is controlled, until this process ends: for the peer too.
+/// Keeps processors awake as hapticd does while a device is controlled, for the peer too.
 inline void keep_processors_awake() {
   server::RealtimeHost& host = server::real_host();
   if (host.open_idle_latency() == 0) host.keep_awake(true);

@@ -8,7 +8,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 from summary import summary  # noqa: E402
 
-# As CMake 3.25 writes it.
+# The format that CMake 3.25 writes.
 RESULTS = """<?xml version="1.0" encoding="UTF-8"?>
 <testsuite name="Linux-c++" tests="6" failures="1" disabled="0" skipped="3">
   <testcase name="a" classname="a" time="0.01" status="run"><system-out>ok</system-out></testcase>

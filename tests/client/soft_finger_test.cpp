@@ -104,7 +104,7 @@ TEST(SoftFinger, PushedThroughProbeStaysInContact) {
   EXPECT_FALSE(finger.step(pose(0)).touching);
 }
 
-/// As when it had been there from the start.
+/// The contact is what it is for a client that was there from the start.
 TEST(SoftFinger, JoiningInsideMeetsTheKnownSide) {
   SoftFinger steady;
   for (int percent = 0; percent <= 100; ++percent) {

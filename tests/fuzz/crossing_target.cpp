@@ -141,7 +141,7 @@ class Crossing {
     world_.written.emplace_back(at, size);
   }
 
-  /// As FrontLink::turn(). True: the owner says that there may be more.
+  /// Does what FrontLink::turn() does. True: the owner says that there may be more.
   bool turn(bool queued) {
     const bool more = intake_.take();
     FrontMessage& message = world_.message;
@@ -163,7 +163,8 @@ class Crossing {
     return more;
   }
 
-  /// As the loop: takes what is in the mailboxes, and answers it if bit 0 of `says` is set.
+  /// Does what the loop does: takes what is in the mailboxes, and answers it if bit 0 of `says` is
+  /// set.
   void tick(int ticks, std::uint8_t state, std::uint8_t says) {
     for (; ticks > 0; --ticks) {
       now_ += 1ms;

@@ -70,7 +70,7 @@ enum FrontStep : std::uint8_t {
 /// Inputs that go deep (crossing_seeds.cpp).
 [[nodiscard]] std::vector<FuzzBytes> seeds();
 
-/// As an honest client sends it, but for the times and numbers.
+/// A sample that an honest client sends, but for the times and numbers.
 inline const ProxySample kHonest{.mode = core::ProxyMode::kHeld,
                                  .position = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}};
 

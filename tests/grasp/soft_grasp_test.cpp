@@ -39,8 +39,9 @@ ClientSettings publisher(examples::SoftFinger& simulation) {
   return client;
 }
 
-/// Of all contacts of a run, each up to its deepest: where the force stayed below 90 % of its peak
-/// so far and of the best that the device can do there; and where it did so without the tank.
+/// Ticks of all contacts of a run, each up to its deepest, in which the force stayed below 90 % of
+/// its peak so far and of the best that the device can do there; and where it did so without the
+/// tank.
 struct Weak {
   int ticks{0}, weak{0}, without_tank{0};
 };

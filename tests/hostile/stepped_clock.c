@@ -28,7 +28,7 @@ __attribute__((constructor)) static void begin(void) {
   step_at = now.tv_sec + atoi(after);
 }
 
-/* Of a datagram that came: looks whether the time has come. */
+/* Looks at a datagram that came whether the time has come. */
 static bool look(void) {
   struct timespec now;
   if (!stepped && step_at != 0 && real_gettime(CLOCK_MONOTONIC, &now) == 0 &&

@@ -25,7 +25,7 @@ HAPTICD, HAPTICCTL = sys.argv[1:3]
 HOSTS = pathlib.Path(sys.argv[3]) / "docker/hosts"
 RULES = (HOSTS / "rules.yml").read_text(encoding="utf-8")
 NAMES = re.findall(r"^ +- (?:alert|record): (\S+)", RULES, re.M)
-# As in docker/hosts/compose.yaml; each is the name of one target.
+# The scenes of docker/hosts/compose.yaml; each is the name of one target.
 SCENES = {"left": "finger_constant", "right": "hand_five_fingers", "table": "linear_one_dof"}
 PATIENCE_S = 60
 

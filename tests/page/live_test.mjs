@@ -119,7 +119,7 @@ test("the page of a hapticd", async (t) => {
     assert.equal(new URL(address).protocol, "https:");
     const { page: wary } = await newPage(t, browser);
     await assert.rejects(wary.goto(address), /ERR_CERT_AUTHORITY_INVALID/);
-    // As if the person said "proceed".
+    // The browser behaves as if the person said "proceed".
     const { page, complaints } = await newPage(t, browser, { ignoreHTTPSErrors: true });
     await page.goto(address);
     await says(page, "#connection", /^Live/);

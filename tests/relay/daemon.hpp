@@ -33,7 +33,7 @@ class Daemon {
 
   [[nodiscard]] std::uint16_t tcp_port() const { return tcp_port_; }
   [[nodiscard]] std::uint16_t udp_port() const { return udp_port_; }
-  /// Of WebSockets; not of a shipped scene.
+  /// Port of WebSockets; not of a shipped scene.
   [[nodiscard]] std::uint16_t web_port() const { return web_port_; }
   [[nodiscard]] std::string web_behind_relay() const {
     return "127.0.0.2:" + std::to_string(web_port_);

@@ -105,7 +105,7 @@ void press_by_web(RowRun& run, const Scenario& scenario) {
   run.must(presser.in_order(), "a sequence in use that never goes back");
 }
 
-/// By the client library, or on a WebSocket.
+/// The rows by the client library, or on a WebSocket.
 class NetworkMatrix : public testing::TestWithParam<std::tuple<Scenario, bool>> {};
 
 TEST_P(NetworkMatrix, TheContractHoldsAtEveryTick) {

@@ -220,7 +220,7 @@ std::string device_of(const OnRails& what, const std::filesystem::path& motion) 
               "\" unit: \"m\" actuated: true lower: -0.2 upper: 0.2 }\ncoordinate { name: \"x_" +
               name + "\" unit: \"m\" }\n";
   }
-  // Of two the first rail is y, so that the recorded force is the one that pushes it out.
+  // The first rail of two is y, so that the recorded force is the one that pushes it out.
   device += std::string("A: ") + (what.n == 1 ? "[1]" : "[0, 1, 1, 0]") + " }\n";
   device += "impedance { stiffness_n_per_m: " + all("1500") + " damping_n_s_per_m: " + all("0") +
             " }\nlimits { force_n: " + all("60") + " slew_n_per_s: " + all("100000") +

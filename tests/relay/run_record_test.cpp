@@ -164,7 +164,7 @@ TEST(RunRecord, EnvelopeMayTakeElasticForce) {
   expect_breach("no gain, no damping", {damped, lost, force_from(30, 0.0)}, 30, step);
 }
 
-/// By a tick's share of 80 ms, or as the ladder does.
+/// The gain may fall by a tick's share of 80 ms, or as the ladder does.
 TEST(RunRecord, JudgesStepsOfGain) {
   expect_breach("allowed fall", {gain_from_30(0.988)});
   expect_breach("fall", {gain_from_30(0.986)}, 30, "gain fell");

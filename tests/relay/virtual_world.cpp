@@ -131,7 +131,8 @@ void VirtualWorld::step_client() {
   if (!alive) return;
   lost += fell_back(client.step(client_reading())) ? 1 : 0;
   fallbacks += lost;
-  // As the client library: what may be lost goes by the stream, under the number it has.
+  // Does what the client library does: what may be lost goes by the stream, under the number it
+  // has.
   if (knew || (lost == 0 && !client.in_doubt())) return;
   stream_up.send(newest, time());
   ++copies;

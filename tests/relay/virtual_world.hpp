@@ -72,7 +72,7 @@ struct VirtualWorld {
   bool alive{true};       ///< false: the client does nothing any more
   bool publishing{true};  ///< false: its simulation stands still, its transport lives
   std::vector<wire::PeerAddress> answered{};  ///< whom the server sent anything, in order
-  /// Of a sample's first coordinate, m, at a time; by default a slow press.
+  /// Value of a sample's first coordinate, m, at a time; by default a slow press.
   std::function<double(LinkTime)> proxy{};
   /// Position of the actuated DoF, as the hand moves it, m.
   std::function<double(LinkTime)> hand{};

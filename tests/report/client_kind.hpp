@@ -25,7 +25,7 @@ inline constexpr std::array<ClientKind, 5> kClientKinds{
 inline constexpr std::array<ClientKind, 3> kOfferedClients{ClientKind::kHeld, ClientKind::kPlanes,
                                                            ClientKind::kDerivedPlanes};
 
-/// As on the command line and in the tables.
+/// Name on the command line and in the tables.
 [[nodiscard]] std::string_view name(ClientKind kind) noexcept;
 
 struct Network {

@@ -44,7 +44,7 @@ struct LoopTick {
   double net{0.0};    ///< less what the device's own damping took
 };
 
-/// Of the last cycle, or the press; J, N. Positive work: given to the user.
+/// Figures of the last cycle, or the press; J, N. Positive work: given to the user.
 struct LoopFigures {
   double given{0.0};
   double net{0.0};           ///< less what the device's own damping took

@@ -108,7 +108,7 @@ double descended(const core::Kinematics& map, const VecX& x, VecQ q) {
       for (Eigen::Index k = 0; k < q.size(); ++k) {
         along[k] *= range_of(map.dofs()[static_cast<std::size_t>(k)]);
       }
-      // As far as it gets better, with strides that double.
+      // Goes on as long as it gets better, with strides that double.
       for (double stride = 1.0;; stride *= 2.0) {
         const VecQ trial = boxed(map, VecQ(q + stride * along));
         const double residual = residual_inside(map, trial, x);

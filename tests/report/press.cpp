@@ -89,7 +89,7 @@ void print_each(const Pressed& p, core::RendererKind kind, const std::string& li
       1e3 * p.untanked_most_given, p.with.throttled_step);
 }
 
-/// Of all presses by one renderer.
+/// Counts of all presses by one renderer.
 struct Count {
   int presses{0}, deeper{0}, deeper_peak{0}, throttled{0}, not_spared{0}, weak{0}, weak_of{0},
       weak_unthrottled{0}, ripple{0}, over_tank{0}, in_vain{0};

@@ -36,7 +36,7 @@ class RttObject {
   /// `near.seconds` later.
   [[nodiscard]] virtual std::vector<client::Plane> contacts(double t, const core::VecX& x,
                                                             const RttHorizon& near) const = 0;
-  /// Of the probe from the surface, m; < 0: inside.
+  /// Distance of the probe from the surface, m; < 0: inside.
   [[nodiscard]] virtual double clearance(double t, const core::VecX& x_probe) const = 0;
 };
 

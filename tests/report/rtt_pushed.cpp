@@ -72,7 +72,7 @@ class PushedMass : public RttObject {
   }
 
  private:
-  /// As a simulation with a step per sample would: all forces as they were, then the place.
+  /// Steps as a simulation with a step per sample would: all forces as they were, then the place.
   void step(double t, double probe) {
     const double dt = last_.size() == 0 ? 0.0 : t - stepped_;
     load_ = -what_.ground * s_;

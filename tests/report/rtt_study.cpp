@@ -210,7 +210,7 @@ RttFigures run(const RttScene& scene, const RttRun& how,
                     .held_back = record.limiters().has(core::Limiter::kEnergyTank),
                     .clearance = object->clearance(t, felt.x_probe())};
     judge.add(tick);
-    // Of the elastic force, before tank and guard of the shadow's pipeline.
+    // The elastic force is compared, before tank and guard of the shadow's pipeline.
     tick.felt = record.effort.tau_elastic;
     tick.shadow = record.life.gain * scene.pipeline.scene.stiffness.cwiseProduct(
                                          ideal.anchor.stretch(layout, ideal.sensed.q));

@@ -32,7 +32,7 @@ double percent(const RttRow& row) {
   return row.figures.shadow.percent();
 }
 
-/// Of what the bound's median may be: 5 times the error's, or 1 % of the peak.
+/// Share of what the bound's median may be: 5 times the error's, or 1 % of the peak.
 double slack_used(const RttRow& row) {
   const ShadowFigures& bound = row.figures.bound;
   return bound.bound_median / std::max(5.0 * bound.error_median, 0.01 * bound.peak);

@@ -16,7 +16,7 @@ done
 grep -q 'polyline\|<path' "$2/scan.svg" || { echo "FAILED: scan.svg has no curve"; exit 1; }
 grep -qF '| subspace_linear | 168 | 88 | 52.38 |' "$2/index.md" ||
   { echo "FAILED: index.md has no table"; exit 1; }
-# Of the 30 presses on an MCP stop W = I pulls in none, whatever their force.
+# W = I pulls in none of the 30 presses on an MCP stop, whatever their force.
 grep -qE '^[|] mcp [|] identity [|] 30 [|].*[|] 0 [|] [0-9]+ [|] 0 [|]$' "$2/index.md" ||
   { echo "FAILED: the table of coupling"; exit 1; }
 grep -qF '(scan.svg)' "$2/index.md" || { echo "FAILED: index.md shows no figure"; exit 1; }

@@ -35,7 +35,7 @@ namespace haptic::oracle {
                                                         const Eigen::VectorXd& P,
                                                         const Eigen::VectorXd& c);
 
-/// Of a square matrix (LU with full pivoting).
+/// Inverse and determinant of a square matrix (LU with full pivoting).
 [[nodiscard]] Eigen::MatrixXd inverse(const Eigen::MatrixXd& A);
 [[nodiscard]] double determinant(const Eigen::MatrixXd& A);
 
@@ -48,7 +48,7 @@ namespace haptic::oracle {
 /// Orthonormal columns with the span of A's; rows >= columns, full column rank.
 [[nodiscard]] Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& A);
 
-/// Of a symmetric matrix; only its lower triangle is read.
+/// Smallest eigenvalue of a symmetric matrix; only its lower triangle is read.
 [[nodiscard]] double smallest_eigenvalue(const Eigen::MatrixXd& A);
 
 /// A B: in a test file of its own the general product alone costs seconds.

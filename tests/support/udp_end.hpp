@@ -22,7 +22,7 @@ class UdpEnd {
   UdpEnd& operator=(const UdpEnd&) = delete;
 
   [[nodiscard]] std::uint16_t port() const { return socket_.port(); }
-  /// By UDP, if the path is in use.
+  /// Sends by UDP, if the path is in use.
   bool send(const std::string& message);
   /// Any bytes, to a port of 127.0.0.1, from this end's socket.
   void send_raw(const std::vector<std::uint8_t>& bytes, std::uint16_t port);

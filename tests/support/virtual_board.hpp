@@ -25,7 +25,7 @@ class VirtualBoard final : public Device {
   void write(core::TimePoint now, const Command& command) noexcept override;
   void close() noexcept override;
 
-  /// As if the server had been killed: from now on nothing is sent to the board.
+  /// Acts as if the server had been killed: from now on nothing is sent to the board.
   void kill_server() noexcept { killed_ = true; }
   [[nodiscard]] EmulatedBoard& board() noexcept { return board_; }
   [[nodiscard]] const EmulatedBoard& board() const noexcept { return board_; }

@@ -182,7 +182,8 @@ TEST_F(Served, ForceReturnsUnderTheNextLease) {
     return s.state == client::Lifecycle::kIdle;
   })) << "the lease must end by its clock";
   EXPECT_EQ(session->lease_epoch(), 1U) << "a silent client took the device back";
-  // As long as a client may take that does not know yet: its asking must survive the refusals.
+  // Waits as long as a client that does not know yet may take: its asking must survive the
+  // refusals.
   std::this_thread::sleep_for(milliseconds(300));
 
   ASSERT_TRUE(eventually(

@@ -19,7 +19,7 @@ constexpr const char* kJoinGroup =
     "usermod -aG haptic USER, then log in again (the group of the package hapticd; without it: "
     "docker/packaging/debian/limits.conf)";
 
-/// By printf's rules; up to 159 characters.
+/// Text by printf's rules; up to 159 characters.
 template <typename... Values>
 std::string format(const char* pattern, Values... values) {
   char text[160];

@@ -91,7 +91,8 @@ HostAnswers ask_host(double seconds, double period_s) {
     const group* const may = ::getgrgid(status.st_gid);
     answers.closed_ports[port] = may != nullptr ? may->gr_name : std::to_string(status.st_gid);
   }
-  // As hapticd does while a device is controlled: idle processors stay awake until it is closed.
+  // Does what hapticd does while a device is controlled: idle processors stay awake until it is
+  // closed.
   const int idle = ::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
   const std::int32_t longest_us = 0;
   answers.idle_error = idle < 0 || ::write(idle, &longest_us, sizeof longest_us) < 0 ? errno : 0;

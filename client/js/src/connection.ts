@@ -13,7 +13,7 @@ import type { SessionOptions } from "./session_options.js";
 import type { Format } from "./stream.js";
 import type { TlsOptions } from "./transport.js";
 
-/** Of gRPC's health service, of which proto/grpc has the messages only. */
+/** The call of gRPC's health service; proto/grpc has its messages only. */
 const CHECK = { parent: { typeName: "grpc.health.v1.Health" }, name: "Check",
   input: HealthCheckRequestSchema, output: HealthCheckResponseSchema };
 

@@ -23,7 +23,7 @@ export interface PointMap {
 export interface JointAxis {
   /** A point of the axis, m; without a meaning if prismatic. */
   origin: Vector3;
-  /** Of length 1; right-handed. */
+  /** Axis of length 1; right-handed. */
   axis: Vector3;
   prismatic?: boolean;
 }
@@ -122,26 +122,26 @@ export type Curvature3 = readonly number[];
 const across = (directions: Vector3[], distance: number): Curvature3 => triangle(3, (i, j) =>
   ((i === j ? 1 : 0) - directions.reduce((sum, a) => sum + a[i]! * a[j]!, 0)) / distance);
 
-/** Of a ball; `distance` of the point from its centre, m, != 0; < 0: the point is inside a hollow
- * one, and the normal points inwards. */
+/** Curvature of a ball; `distance` of the point from its centre, m, != 0; < 0: the point is inside
+ * a hollow one, and the normal points inwards. */
 export const sphereCurvature = (normal: Vector3, distance: number): Curvature3 =>
   across([normal], distance);
-/** Of a cylinder with this axis (of length 1); `distance` from the axis. */
+/** Curvature of a cylinder with this axis (of length 1); `distance` from the axis. */
 export const cylinderCurvature = (normal: Vector3, axis: Vector3, distance: number): Curvature3 =>
   across([normal, axis], distance);
 
 /** A point of the tool against an object. */
 export interface Contact {
   point: PointMap;
-  /** Of the object at the nearest point, outwards, of length 1. */
+  /** Normal of the object at the nearest point, outwards, of length 1. */
   normal: Vector3;
   /** From the object to the point along the normal, m; < 0: inside. */
   gap: number;
   /** Absent: flat. */
   curvature?: Curvature3;
-  /** Of point and object in series, N/m, > 0. Absent: rigid. */
+  /** Stiffness of point and object in series, N/m, > 0. Absent: rigid. */
   stiffness?: number;
-  /** Of the object along -normal, m/s; > 0: it recedes. */
+  /** Speed of the object along -normal, m/s; > 0: it recedes. */
   velocity?: number;
   /** Names the contact from sample to sample; absent: nothing does. */
   id?: number;
@@ -157,7 +157,7 @@ export interface Contact {
   /** Names the body that is pushed, if several contacts push it. `load` is then without the forces
    * of all these contacts, and each has the whole mass. */
   object?: number;
-  /** As in Plane; absent: the normal, of a body that does not turn. */
+  /** Plane.objectDirection; absent: the normal, of a body that does not turn. */
   objectDirection?: number[];
 }
 

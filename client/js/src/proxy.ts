@@ -43,7 +43,7 @@ export interface Pose {
   validForUs?: number;
 }
 
-// Of one sample (proto/README.md).
+// Limits of one sample (proto/README.md).
 export const MAX_PLANES = 32;
 export const MAX_CONTACTS_OF_BLOCK = 8;
 export const MAX_CURVATURES = 320;
@@ -73,7 +73,7 @@ const isContact = (plane: Plane): boolean =>
 const shareCoordinate = (a: Plane, b: Plane): boolean =>
   a.normal.some((value, i) => value !== 0 && b.normal[i] !== 0);
 
-/** Of `planes` those that xProbe is deepest beyond, or nearest to, in their order. From the deepest
+/** The planes that xProbe is deepest beyond, or nearest to, in their order. From the deepest
  * on it takes up to MAX_PLANES; a contact (a plane with compliance, curvature or id) only if fewer
  * than MAX_CONTACTS_OF_BLOCK of those taken share a coordinate with it. A curvature that has no
  * room left becomes 0. `x`: where they are linearised, and the probe if that is not known (empty).

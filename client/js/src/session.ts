@@ -29,7 +29,7 @@ const FAREWELL_MS = 500;
 const HAS_FORCE = new Set([DeviceStateName.ENGAGING, DeviceStateName.ENGAGED]);
 
 export class Session {
-  /** As it was at the first opening. */
+  /** The device as it was at the first opening. */
   readonly device: Device;
   #calls: Calls;
   #options: SessionOptions;

@@ -9,9 +9,9 @@ export interface SolveOptions {
   start?: number[];
   /** Diagonal of W, per coordinate, > 0; absent: all 1. */
   weights?: number[];
-  /** Of Newton, at most; absent: 50. */
+  /** Most steps of Newton; absent: 50. */
   iterations?: number;
-  /** Of each coordinate, in its unit; absent: 1e-10. */
+  /** Accuracy of each coordinate, in its unit; absent: 1e-10. */
   tolerance?: number;
 }
 
@@ -134,7 +134,7 @@ function placeAt(contacts: (x: number[]) => Contact[], x: Vector, coupling: numb
     gradients: planes.map(({ normal }) => normal.map((value) => -value)) };
 }
 
-/** Of coupling and contacts, by the coupling; a rigid contact costs `rigid` times its depth. */
+/** Energy of coupling and contacts, over the coupling; a rigid one costs `rigid` times its depth. */
 function energyOf(at: Place, probe: Vector, weights: Vector, rigid: number): number {
   const pulled = at.x.reduce((sum, v, i) => sum + weights[i]! * (v - probe[i]!) ** 2 / 2, 0);
   return at.planes.reduce((sum, { compliance }, i) => {

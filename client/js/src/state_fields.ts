@@ -10,7 +10,7 @@ import { DeviceStateSchema } from "./gen/haptic/v1/session_pb.js";
 import type { DeviceState } from "./gen/haptic/v1/session_pb.js";
 
 export interface StateField {
-  /** As in session.proto: "tau_a". */
+  /** Name in session.proto: "tau_a". */
   name: string;
   kind: "number" | "name" | "bits" | "message";
   repeated: boolean;

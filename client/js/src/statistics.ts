@@ -3,7 +3,7 @@ import type { SampleAck } from "./gen/haptic/v1/session_pb.js";
 
 /** Numbers of samples since the session was first opened. */
 export interface PublishStatistics {
-  /** By publish(); number of the newest. */
+  /** Samples given to publish(); number of the newest. */
   published: number;
   /** Handed to the network. */
   sent: number;
@@ -11,7 +11,7 @@ export interface PublishStatistics {
   conflated: number;
   /** Planes of a sample that were more than one can have. */
   planesLeftOut: number;
-  // As the server counts them.
+  // What the server counted.
   accepted: number;
   rejectedOld: number;
   rejectedInvalid: number;

@@ -19,7 +19,7 @@ class Aim {
   /// One step more; beyond the last the aim stays.
   void step();
 
-  /// Of coordinate i now; of a quaternion's parts to be normalised.
+  /// Coordinate i now; a quaternion's parts are to be normalised.
   [[nodiscard]] double at(std::size_t i) const { return from_[i] + part_ * (to_[i] - from_[i]); }
   [[nodiscard]] double way(std::size_t i) const { return to_[i] - from_[i]; }  ///< of all steps
   [[nodiscard]] double rate(std::size_t i) const { return way(i) / seconds_; }

@@ -17,8 +17,8 @@ constexpr std::size_t kMostCoordinates = 10000;  // far above those of any devic
   throw std::invalid_argument("binding '" + binding.name + "': " + why);
 }
 
-/// Of the lightest direction of a site or body, 1/kg, and about its lightest axis, 1/(kg m^2): no
-/// less than the largest eigenvalues of J M^-1 J^T.
+/// Inverse masses of the lightest direction of a site or body, 1/kg, and about its lightest axis,
+/// 1/(kg m^2): no less than the largest eigenvalues of J M^-1 J^T.
 std::pair<double, double> inverse_masses(const mjModel& model, mjData& data, const Place& place) {
   const auto nv = static_cast<std::size_t>(model.nv);
   std::vector<mjtNum> J(6 * nv), solved(6 * nv);

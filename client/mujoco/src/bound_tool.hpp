@@ -27,7 +27,7 @@ struct Place {
 
 class BoundTool {
  public:
-  /// As Tool::Tool(), but changes nothing. `data`: after mj_forward.
+  /// Makes what Tool::Tool() makes, but changes nothing. `data`: after mj_forward.
   BoundTool(const mjModel& model, mjData& data, const std::vector<Binding>& bindings,
             const ToolOptions& options);
 
@@ -74,7 +74,7 @@ class BoundTool {
 
 /// The coordinates that a binding takes.
 [[nodiscard]] std::size_t count_of(Binding::Kind kind) noexcept;
-/// Of a site or body, in the world.
+/// Position and turn of a site or body, in the world.
 [[nodiscard]] Vector3 position_of(const mjData& data, const Place& place);
 void quaternion_of(const mjData& data, const Place& place, mjtNum quaternion[4]);
 

@@ -17,7 +17,7 @@ std::pair<int, int> pair_of(const mjContact& contact) {
   return std::minmax({contact.geom1, contact.geom2});
 }
 
-/// As a person finds it in the model.
+/// Name by which a person finds it in the model.
 std::string name_of(const mjModel& model, int geom) {
   const char* const name = mj_id2name(&model, mjOBJ_GEOM, geom);
   if (name != nullptr) return "geom '" + std::string(name) + "'";
@@ -32,7 +32,8 @@ double radius_of(const mjModel& model, int geom) {
   return type == mjGEOM_SPHERE || type == mjGEOM_CAPSULE ? model.geom_size[3 * geom] : 0.0;
 }
 
-/// Of the object's gap to the centre of a round part of the tool, `from_surface` away from it.
+/// Curvature of the object's gap to the centre of a round part of the tool, `from_surface` away
+/// from it.
 client::Curvature3 curvature_of(const mjModel& model, const mjData& data, int geom,
                                 const Vector3& normal, const Vector3& surface,
                                 double from_surface) {

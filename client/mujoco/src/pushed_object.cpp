@@ -155,7 +155,7 @@ void Surroundings::find_dofs(const mjModel& model, const mjData& data,
       beside[static_cast<std::size_t>(here)].insert(first);
     });
   }
-  // By their way from what is touched, the nearest last: that keeps the rows of H short.
+  // Sorted by their way from what is touched, the nearest last: that keeps the rows of H short.
   std::vector<int> group;
   std::vector<char> taken(nv, 0);
   const auto take = [&](int root) {

@@ -17,7 +17,7 @@ struct PushedObject {
   double ground_stiffness{0.0};  ///< N/m
   double load{0.0};              ///< N; > 0 pushes it away from the tool
   double velocity{0.0};          ///< m/s; > 0: it recedes
-  // Of share(): Contact::object and object_direction, if other contacts push it too.
+  // What share() found: Contact::object and object_direction, if other contacts push it too.
   std::uint32_t object{0};
   std::vector<double> direction{};
 
@@ -51,8 +51,8 @@ class Surroundings {
  public:
   explicit Surroundings(const BoundTool& tool) : tool_(&tool) {}
 
-  /// As the last mj_forward or mj_step found them. `rate`: qvel as it began, nv. `bodies`: those of
-  /// which object() will be asked.
+  /// Reads the contacts as the last mj_forward or mj_step found them. `rate`: qvel as it began, nv.
+  /// `bodies`: those of which object() will be asked.
   void look(const mjModel& model, mjData& data, const std::vector<mjtNum>& rate,
             const std::set<int>& bodies);
   /// DoFs that count: those of the bodies, and those that rows connect with them.
@@ -61,7 +61,7 @@ class Surroundings {
   [[nodiscard]] PushedObject object(const mjModel& model, const mjData& data, int body,
                                     const Vector3& position, const Vector3& normal,
                                     double force) const;
-  /// Of all contacts of a step.
+  /// Takes all contacts of a step.
   static void share(std::vector<PushedObject>& objects);
 
  private:

@@ -25,7 +25,7 @@ class Skyline {
 
  private:
   void allocate();
-  /// By column: only those from first_[i] to i are there.
+  /// Row i, indexed by column: only those from first_[i] to i are there.
   [[nodiscard]] double* row(std::size_t i) { return entries_.data() + diagonal_[i] - i; }
   [[nodiscard]] const double* row(std::size_t i) const {
     return entries_.data() + diagonal_[i] - i;

@@ -9,19 +9,19 @@ namespace haptic::core {
 
 namespace {
 
-/// Of the multipliers' distance to those of the told law, relative to what the anchor must explain:
-/// planes within a quarter of a degree of each other do not explain what is across them.
+/// Weight of the multipliers' distance to those of the told law, relative to what the anchor must
+/// explain: planes within a quarter of a degree of each other do not explain what is across them.
 constexpr double kNearest = 1e-5;
-/// Of the gap of a contact that this law does not touch: more must be unexplained without it.
+/// Share of the gap of a contact that this law does not touch: more must be unexplained without it.
 constexpr double kUntouched = 1e-2;
 constexpr double kNegligible = 1.0;
 constexpr int kProximal = 3;
-/// Of d: what another choice of multipliers must explain more.
+/// Share of d that another choice of multipliers must explain more.
 constexpr double kMore = 1e-2;
 
 }  // namespace
 
-/// Of the ways to explain d the one nearest to the law as it was told, or, if that explains less,
+/// Takes the way to explain d that is nearest to the law as it was told, or, if that explains less,
 /// the one nearest to none. Each is tried at x_used before it is believed: if x is then further
 /// from the client's own proxy than the probe is, the contacts explain nothing. Nothing explains a
 /// d of 0 either: a proxy that is free stays so.
@@ -147,7 +147,7 @@ void PlaneProjection::explain(const VecX& d, const Vector& told, Vector& l) noex
     dual_.solve(r);
     l = dual_.l();
   }
-  // Of what the told law alone wants nothing is kept: a proxy that is free stays so.
+  // Drops what the told law alone wants: a proxy that is free stays so.
   for (int i = 0; i < count_; ++i) {
     if (l[i] <= kNegligible * kNearest * told[i]) l[i] = 0.0;
   }

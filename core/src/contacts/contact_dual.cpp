@@ -53,7 +53,7 @@ void ContactDual::give(const Gives& gives) noexcept {
   factored_ = 0;
 }
 
-/// Of many contacts few are held, and the rows of others are not read.
+/// Row i, made when it is read: few of many contacts are held.
 ContactDual::Gram::ConstRowXpr ContactDual::row(int i) noexcept {
   if (!has(gives_.contacts, i)) return std::as_const(products_).row(i);
   if (!has(summed_, i)) {

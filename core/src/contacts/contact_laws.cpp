@@ -64,7 +64,7 @@ ContactDual::Gives ContactLaws::gives(const Vector& scale) const noexcept {
   return {dt_ > 0.0 ? shared_ : 0, root_.cwiseProduct(scale), &cosine_};
 }
 
-/// By whole rows: of many contacts on one object each pushes all.
+/// Adds whole rows: each of many contacts on one object pushes all.
 void ContactLaws::push(const Vector& l) noexcept {
   pushed_.head(count_).setZero();
   for (std::uint32_t left = shared_; left != 0; left &= left - 1) {

@@ -18,7 +18,7 @@ constexpr double kSameX = 1e-9;
 constexpr double kShrinks = 0.9;
 /// Beyond so many times what the probe and the surfaces moved a step is not theirs.
 constexpr double kTheirs = 10.0;
-/// Of a replay, and of a step with n contacts, measured: a + b n + c n^2, flat and curved.
+/// Times of a replay, and of a step with n contacts, measured: a + b n + c n^2, flat and curved.
 constexpr double kReplay_ns = 16000.0;
 constexpr double kFlat_ns[] = {25.0, 25.0, 5.0}, kCurved_ns[] = {20.0, 110.0, 15.0};
 

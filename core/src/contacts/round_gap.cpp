@@ -7,14 +7,15 @@ namespace haptic::core {
 
 namespace {
 
-/// Of the second order: less is what a client's arithmetic leaves of 0.
+/// Share of the second order: a client's arithmetic leaves less than that of 0.
 constexpr double kToldZero = 1e-6;
-/// Of what hinges and body are found from: less is little above a client's arithmetic.
+/// Least difference from which hinges and body are found: less is little above a client's
+/// arithmetic.
 constexpr double kLeastApart = 1e-3;
-/// Of the body's radius: nearer to its centre no normal is known.
+/// Share of the body's radius: nearer to its centre no normal is known.
 constexpr double kCentre = 1e-3;
 constexpr double kSphere = 1.1547005383792517;  // 2 / sqrt(3)
-/// Of a way that, times a finger's reach and curve, is 1: the fourth order is known on the part.
+/// Part of a way that, times a finger's reach and curve, is 1: the fourth order is known on it.
 constexpr double kShortest = 15.0;
 
 /// Across the body's normal, as its tangent points, and along it.

@@ -9,7 +9,8 @@ namespace haptic::core {
 
 namespace {
 
-/// Of two entries that should be the same, relative to their diagonal: text has 15 digits or more.
+/// Difference of two entries that should be the same, relative to their diagonal: text has 15
+/// digits or more.
 constexpr double kSameEntry = 1e-12;
 /// Square of Cholesky's pivot in C. Below it a direction of q has a millionth of its neighbours'
 /// stiffness: a slip of the pen, or a rank that rounding decides.

@@ -8,7 +8,7 @@ namespace haptic::core {
 
 namespace {
 
-/// Of rho: what n_a products and a root may round by, with room to spare.
+/// Share of rho by which n_a products and a root may round, with room to spare.
 constexpr double kHair = 1e-13;
 
 }  // namespace

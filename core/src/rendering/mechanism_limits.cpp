@@ -17,7 +17,7 @@ namespace haptic::core {
 
 namespace {
 
-/// Of the box's width: rounding at a limit is no violation.
+/// Share of the box's width: rounding at a limit is no violation.
 constexpr double kSlack = 1e-12;
 constexpr int kNewtonSteps = 12;
 

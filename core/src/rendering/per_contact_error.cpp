@@ -9,7 +9,7 @@ namespace haptic::core {
 
 namespace {
 
-/// Of a push by one actuator: what the contacts leave of it.
+/// Share that the contacts leave of a push by one actuator.
 struct Share {
   double least{1.0}, most{1.0};
 };

@@ -58,7 +58,7 @@ class Derating {
   VecA in_effect_{};                   ///< stiffness of the last step
   bool acts_{false};
   DeratingRecord last_{};  ///< when it last acted
-  // Of the sample in use:
+  // The sample in use:
   std::uint32_t tenure_{0};
   std::uint64_t seq_{0};
   TimePoint seen_{}, came_{};  ///< when its simulation saw the probe, and when it came

@@ -34,7 +34,7 @@ class LocalProxy {
   void step(const ProxySnapshot& sample, const Moment& moment, const VecX& x_probe,
             Anchor& now) noexcept;
 
-  // Of the last step:
+  // Results of the last step:
   /// How far the simulation's own proxy may be from x.
   [[nodiscard]] const ProxyError& error() const noexcept { return error_; }
   /// Null unless the sample has planes.
@@ -54,7 +54,7 @@ class LocalProxy {
   /// The objects of the sample before are taken to the tick of the next one, which tells how fast
   /// they became by then.
   void compare(std::uint64_t next, VecX& x) noexcept;
-  /// By the probe of that tick.
+  /// Projects the probe of that tick.
   void project_at(std::uint64_t tick, const Moment& moment, double dt, VecX& x) noexcept;
   /// Objects that are pushed go on from the tick of which the sample was computed, by the probes
   /// of the ticks since then, to the last one.

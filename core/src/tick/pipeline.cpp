@@ -180,7 +180,7 @@ class Pipeline::Stages {
   Rendering rendering_;
   Supervisor supervisor_;
   Actuation actuation_;
-  // Of the last tick:
+  // What the last tick left:
   bool ready_{false};
   LifecycleState state_{LifecycleState::kInit};
   VecQ in_use_;

@@ -27,7 +27,7 @@ class RenderedSpring {
   /// What the device holds until the next tick, after every limit.
   void hold(const Effort& effort) noexcept;
 
-  // Of the last step:
+  // Results of the last step:
   /// Z_q S (q* - q), without the gain, n_a; a coupled spring is saturated as a whole.
   [[nodiscard]] const VecA& elastic() const noexcept { return elastic_; }
   /// The passivity controller's force, n_a; size 0 without tank and observer.

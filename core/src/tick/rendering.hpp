@@ -33,7 +33,7 @@ class Rendering {
   [[nodiscard]] Anchor step(const LocalProxy::Moment& moment, const Sensed& sensed,
                             const ProxySnapshot& sample, const Settings& settings,
                             const VecQ& in_use) noexcept;
-  /// Of the last step; valid until the next, and as long as `sensed`.
+  /// Displacement of the last step; valid until the next, and as long as `sensed`.
   [[nodiscard]] Displacement displacement(const Sensed& sensed) const noexcept {
     return {{sensed.q, map_.x_probe(), map_.J(), {local_.contacts()}}, dx_, renderer_};
   }

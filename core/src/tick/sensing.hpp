@@ -27,7 +27,7 @@ struct Driven {
 
 class Sensing {
  public:
-  /// Of the configuration it reads kinematics, device, tracker and whether the server controls
+  /// Reads from the configuration kinematics, device, tracker and whether the server controls
   /// force: each good sample then has to carry the measured one, and load cells are watched.
   explicit Sensing(const PipelineConfig& config);
 

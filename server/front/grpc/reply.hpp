@@ -15,7 +15,7 @@
 
 namespace haptic::server {
 
-/// As rich_status().
+/// See rich_status().
 [[nodiscard]] grpc::Status to_status(const Refusal& refusal);
 
 /// `message` without a copy of what streams share.

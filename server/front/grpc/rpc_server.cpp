@@ -32,7 +32,7 @@ constexpr int kReadChunk = 4096;
 /// How often the health of the devices is looked at, so that a loop that has stopped is noticed.
 constexpr milliseconds kHealthPeriod{250};
 
-/// As gRPC takes a time.
+/// Milliseconds, in which gRPC takes a time.
 int argument_ms(core::Duration time) {
   return static_cast<int>(std::chrono::duration_cast<milliseconds>(time).count());
 }

@@ -13,7 +13,7 @@ std::string number(double value) {
   return {text, end};
 }
 
-/// Of a label's value: backslash, quote and line feed.
+/// Escapes a label's value: backslash, quote and line feed.
 std::string escaped(std::string_view value) {
   std::string out;
   for (const char c : value) {

@@ -19,7 +19,7 @@ struct MetricsSources {
   const OwnerPort* owner{nullptr};
   std::function<TickTotals(std::size_t device)> totals{};
   FactsProvider facts{};
-  /// By reason; empty if there is no UDP path.
+  /// Dropped datagrams by reason; empty if there is no UDP path.
   std::function<std::vector<std::pair<std::string, std::uint64_t>>()> dropped_datagrams{};
   /// Open; cut since the start.
   std::function<std::pair<std::size_t, std::uint64_t>()> connections{};

@@ -104,7 +104,7 @@ class Unread {
   core::TimePoint stuck_{};
 };
 
-/// By how much a total has grown since the last time, never below 0.
+/// Growth of a total since the last time, never below 0.
 inline double grown(std::uint64_t& before, std::uint64_t value) noexcept {
   const std::uint64_t step = value > before ? value - before : 0;
   before = std::max(before, value);
@@ -136,7 +136,7 @@ class Suspicion {
   double bytes_{0.0};
 };
 
-/// Of a TCP connection, as the kernel counts it.
+/// Traffic of a TCP connection, as the kernel counts it.
 [[nodiscard]] Traffic traffic_of(int socket, const Account& account);
 
 /// A connection's debt: what it sent beyond what was understood, never below 0, so that good

@@ -47,7 +47,7 @@ struct ConnectionLimits {
   unsigned calls{256};  ///< of a connection that gRPC has, taken back by the peer or not
   std::uint64_t forgiven_per_second{1024};   ///< pings, health checks
   std::uint64_t growth{8ull * 1024 * 1024};  ///< of the process's resident memory, within 1 s
-  /// Of the process, as malloc counts it. 256 connections, sessions and watches take 20 MB.
+  /// Memory of the process, as malloc counts it. 256 connections, sessions and watches take 20 MB.
   std::uint64_t memory{32ull * 1024 * 1024};
 };
 
@@ -81,8 +81,8 @@ class Connections {
   /// Accepts no more; what is still open after `grace` is cut. Returns at once.
   void close(core::Duration grace);
 
-  /// Of the connection that gRPC calls `peer` ("ipv4:127.0.0.1:5000"). That of a UNIX socket, or of
-  /// a connection that is gone, is read by no one.
+  /// Account of the connection that gRPC calls `peer` ("ipv4:127.0.0.1:5000"). That of a UNIX
+  /// socket, or of a connection that is gone, is read by no one.
   [[nodiscard]] std::shared_ptr<Account> account(const std::string& peer);
   [[nodiscard]] std::size_t open() const;
   /// Looks at the accounts soon. Any thread.

@@ -10,7 +10,7 @@ struct PeerName {
   std::string owner{};  ///< whose it is: an IPv4 address, the /64 of an IPv6 address, a local user
 };
 
-/// Of a socket that was accepted; owner empty: it is gone already.
+/// Name of the peer of a socket that was accepted; owner empty: it is gone already.
 [[nodiscard]] PeerName peer_name(int socket);
 
 }  // namespace haptic::server

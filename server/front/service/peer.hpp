@@ -15,10 +15,10 @@ namespace haptic::server {
 struct Peer {
   bool encrypted{false};  ///< by TLS
   bool this_host{false};  ///< a UNIX socket, or loopback
-  /// Of its certificate: the subject alternative names, else the common name. Empty: it showed
-  /// none.
+  /// Names in its certificate: the subject alternative names, else the common name. Empty: it
+  /// showed none.
   std::vector<std::string> names{};
-  /// Of the token that it showed; absent: it showed none.
+  /// Rights of the token that it showed; absent: it showed none.
   std::optional<Rights> token{};
   std::shared_ptr<Account> account{};  ///< of its connection; null: not looked for
 };

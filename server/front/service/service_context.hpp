@@ -109,7 +109,7 @@ class ServiceContext final : public Front {
     broadcasters[device]->on_newest(state);
   }
 
-  /// Of the connection of a call that stays for a while, by its peer's name (Connections).
+  /// Account of the connection of a call that stays for a while, by its peer's name (Connections).
   [[nodiscard]] std::shared_ptr<Account> account_of(const std::string& peer);
   [[nodiscard]] double loop_hz() const { return 1.0 / core::seconds(config.period); }
   [[nodiscard]] SessionSettings session_settings(Carrier stream) const {

@@ -38,7 +38,7 @@ class EventQueue {
 class SampleSource {
  public:
   virtual ~SampleSource() = default;
-  /// As FrontPort::on_judged().
+  /// See FrontPort::on_judged().
   virtual void on_judged(const Judged& judged) = 0;
 };
 

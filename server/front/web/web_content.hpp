@@ -15,7 +15,7 @@ struct PageFile {
   std::string_view bytes{};
   std::shared_ptr<void> memory{};  ///< which holds them, apart from the heap
 };
-/// By the path of its address, "/app.js"; "/" is index.html.
+/// Files by the path of their address, "/app.js"; "/" is index.html.
 using Page = std::map<std::string, PageFile, std::less<>>;
 
 /// What hapticd says if `Page` has no "/".

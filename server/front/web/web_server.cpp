@@ -41,7 +41,7 @@ const WebServer::Address* first_address(const std::vector<WebServer::Address>& a
   return nullptr;
 }
 
-/// By which the listeners are reached.
+/// Names by which the listeners are reached.
 std::vector<std::string> names_of(const WebConfig& config,
                                   const std::vector<WebServer::Address>& addresses) {
   std::vector<std::string> names = config.names;

@@ -63,7 +63,7 @@ class WebStream {
     return tls != nullptr ? tls->native_handle() : nullptr;
   }
 
-  /// Of TLS; plain text needs none.
+  /// Handshake of TLS; plain text needs none.
   void handshake(Completion done);
 
   template <typename Buffers, typename Handler>

@@ -89,7 +89,7 @@ class Ingress {
   /// Local arrival of the newest accepted sample (backlog included: it shows that the client
   /// lives) under the current lease; TimePoint{} before the first one.
   [[nodiscard]] core::TimePoint last_accepted() const noexcept { return last_arrival_; }
-  /// Of the newest accepted sample under the current lease; kNone before the first one.
+  /// Carrier of the newest accepted sample under the current lease; kNone before the first one.
   [[nodiscard]] Carrier carrier() const noexcept { return carrier_; }
   /// Carrier of the sample that a tick used, named by its number and by what its age counts from;
   /// kNone if it is not among the last 256.

@@ -12,7 +12,7 @@ namespace {
 
 /// Below this a normal is none: its square would leave the range of a double.
 constexpr double kSmallestNormal = 1e-100;
-/// Of a length of 1, as a sum of six products may be off in single precision.
+/// Error of a length of 1: a sum of six products may be off by it in single precision.
 constexpr double kOffUnit = 1e-3;
 
 /// n of a lower triangle with `count` values; 0: there is none, or none that is allowed.

@@ -16,7 +16,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Of one kind in one turn: the other front, the control socket and the clock come between.
+/// Messages of one kind in one turn: the other front, the control socket and the clock come
+/// between.
 constexpr int kMessagesPerTurn = 64;
 
 /// Resident memory of this process, bytes; proc(5), statm: pages, the second number.

@@ -16,7 +16,7 @@ namespace haptic::server {
 
 class LocalCommands {
  public:
-  /// Of the front, by the command's number: answered by answer().
+  /// A command for the front, by its number: answered by answer().
   using OfFront = std::function<void(ControlSocket::Command::Kind kind, std::uint64_t reply_to)>;
 
   LocalCommands(Owner& owner, OfFront of_front) : owner_(owner), of_front_(std::move(of_front)) {}

@@ -47,7 +47,7 @@ class DeviceUnit {
   /// Written by the device's sessions, under the owner's lock.
   core::Mailbox<core::CommandSnapshot> commands;
   core::Mailbox<core::RenderSettings> settings;
-  /// As the tick left them; read by the telemetry drain, which completes them.
+  /// Records as the tick left them; read by the telemetry drain, which completes them.
   core::Ring<core::TickRecord> records;
 
  private:

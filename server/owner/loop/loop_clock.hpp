@@ -13,7 +13,8 @@ struct Wake {
   /// How long the machine was suspended since the last wake-up. CLOCK_MONOTONIC stands still then,
   /// so that nothing else would tell.
   core::Duration suspended{0};
-  /// Of the sample that was waited for; absent: none came by the deadline, or none was waited for.
+  /// Arrival of the sample that was waited for; absent: none came by the deadline, or none was
+  /// waited for.
   std::optional<core::TimePoint> arrival{};
 };
 

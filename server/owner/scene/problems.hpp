@@ -43,7 +43,7 @@ class Problems {
   /// `n` problems that are counted, and not told.
   void add_untold(std::size_t n) noexcept { count_ += n; }
 
-  /// As many problems are told; a file that is no scene may have 100,000.
+  /// Number of problems that are told; a file that is no scene may have 100,000.
   static constexpr std::size_t kMostTold = 100;
 
   [[nodiscard]] std::size_t count() const noexcept { return count_; }

@@ -89,7 +89,7 @@ std::string printed(const v1::Scene& message) {
 
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code error;
-  // By name too: a file that is not there yet has no identity.
+  // Compares by name too: a file that is not there yet has no identity.
   return fs::equivalent(a, b, error) ||
          fs::weakly_canonical(a, error) == fs::weakly_canonical(b, error);
 }

@@ -22,7 +22,7 @@ constexpr const char* kCsvFile = "a CSV file";
 
 using Device = Part<v1::DeviceScene>;
 
-/// Of any source but a simulation, which has its own.
+/// Largest effort of any source but a simulation, which has its own.
 core::VecA read_effort(const Fields& part, int n_a) {
   return part.per_actuated("max_effort", Allowed::kPositive, n_a);
 }

@@ -15,7 +15,7 @@ namespace haptic::server {
 
 class BackgroundFile {
  public:
-  /// As write(2). For tests.
+  /// The type of write(2), for tests.
   using Write = std::function<ssize_t(int file, const void* data, std::size_t size)>;
 
   /// What may wait for a slow disk: some ten seconds of a finger's rows.

@@ -9,7 +9,7 @@ spdlog::level::level_enum level_of(DeviceEvent::Kind kind) {
   using Kind = DeviceEvent::Kind;
   if (kind == Kind::kFault) return spdlog::level::err;
   if (kind == Kind::kLost || kind == Kind::kLeaseExpired) return spdlog::level::warn;
-  // As often as a client likes.
+  // A client may cause these as often as it likes.
   const bool frequent = kind == Kind::kStaleness || kind == Kind::kLimiter || kind == Kind::kClamp;
   return frequent ? spdlog::level::debug : spdlog::level::info;
 }

@@ -75,7 +75,7 @@ export class Hapticd {
     fs.rmSync(this.folder, { recursive: true });
   }
 
-  /** By TCP, with a token of these rights. */
+  /** Connects by TCP, with a token of these rights. */
   connect(rights = "primary", options = {}) {
     return new Connection(this.url, { token: tokenOf(rights), ...options });
   }

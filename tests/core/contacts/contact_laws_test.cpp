@@ -218,7 +218,7 @@ TEST(ContactLaws, RewoundObjectIsAsTold) {
   EXPECT_NEAR(x[0], 0.002, 1e-12);
 }
 
-/// As a step of 0 s does at the probe that was used.
+/// The anchor says what a step of 0 s says at the probe that was used.
 TEST(ContactLaws, AnchorSaysWhatPushes) {
   const ConfigurationSpace plane(std::vector<Coordinate>(2));
   PlaneProjection stepped(plane), begun(plane);

@@ -135,8 +135,8 @@ struct Gap {
 };
 using Gaps = std::function<std::vector<Gap>(const Eigen::Vector2d& x)>;
 
-/// Of a point at p with dp/dx and d2p/dx2 (of the two components of p) from a disc at the origin,
-/// or from a sphere with its centre `aside` of the plane.
+/// Gap of a point at p with dp/dx and d2p/dx2 (of the two components of p) from a disc at the
+/// origin, or from a sphere with its centre `aside` of the plane.
 Gap from_disc(double radius, const Eigen::Vector2d& p, const Eigen::Matrix2d& J,
               const Eigen::Matrix2d& p_0, const Eigen::Matrix2d& p_1, double aside = 0.0) {
   const double r = std::hypot(p.norm(), aside);

@@ -63,7 +63,7 @@ TEST(CoupledSpring, ForceIsItsEnergysGradient) {
   EXPECT_LT(beyond, 900);
 }
 
-/// By the formulas of core/METHOD.md#actuator-limits, written out.
+/// The formulas of core/METHOD.md#actuator-limits, written out.
 TEST(CoupledSpring, IsLinearWithinItsRadius) {
   std::mt19937_64 random(2);
   for (int trial = 0; trial < 500; ++trial) {

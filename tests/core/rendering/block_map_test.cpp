@@ -306,7 +306,8 @@ TEST_F(BlockMapTest, GuardByBlocksEqualsDenseSolve) {
   EXPECT_GT(withheld, 50);
 }
 
-/// As of fingers side by side: one contact that is pushed in would take the force of all.
+/// The same rule as for fingers side by side: one contact that is pushed in would take the force of
+/// all.
 TEST_F(BlockMapTest, TrackedHandIsJudgedBySum) {
   const auto tracked = make_tracked_hand(five_fingers_on_a_palm());
   std::normal_distribution<double> normal;

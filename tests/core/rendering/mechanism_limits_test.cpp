@@ -104,7 +104,7 @@ bool allowed(const Kinematics& map, const VecQ& q) {
   return true;
 }
 
-/// Of random allowed poses near q*, steps of `size` times the box, none may be nearer to x. Says
+/// No random allowed pose near q*, in steps of `size` times the box, may be nearer to x. Says
 /// how many there were.
 int expect_none_nearer(const Kinematics& map, const VecX& x, const Projection& out, double size) {
   std::mt19937_64 random(9);

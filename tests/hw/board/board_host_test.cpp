@@ -290,7 +290,7 @@ TEST(BoardHost, ABrownOutEndsDisarmed) {
   EXPECT_TRUE(link.armed());
 }
 
-/// Of boards without a serial number any answers to it: what the loop was built with must hold too.
+/// Any board without a serial number answers to it: what the loop was built with must hold too.
 TEST(BoardHost, AReplugNeedsTheSameBoard) {
   EmulatorConfig nameless{.serial = ""};
   EmulatorConfig same = nameless, other_serial = nameless, other_control = nameless;

@@ -198,7 +198,7 @@ TEST_P(PressedCase, TheBoardFindsAStuckSensor) {
 
 TEST_P(PressedCase, TheBoardFindsADeadMotor) {
   finger.fault(FaultKind::kStall, 60.0);
-  // As long as friction holds what is asked for there is nothing to find; then some seconds of the
+  // Nothing is to be found as long as friction holds what is asked for; then some seconds of the
   // integral, and 200 ms at its limit.
   until_fault(finger, 30'000);
   EXPECT_TRUE(finger.last().faults().has(Fault::kDeviceLost));

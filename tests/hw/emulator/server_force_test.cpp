@@ -19,7 +19,7 @@ struct Law {
   const char* name{};
   BoardControl control{};
   core::ForceControlSettings settings{};
-  /// As hw/README.md says of every pose: rise in s, overshoot as a share.
+  /// What hw/README.md says for every pose: rise in s, overshoot as a share.
   double quickest{}, slowest{}, overshoot{};
 };
 

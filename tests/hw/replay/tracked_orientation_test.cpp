@@ -65,7 +65,7 @@ TEST(TrackedOrientation, ATurnByPiIsSmooth) {
     const Eigen::Vector3d phi = reading.sample.q.segment<3>(3);
     EXPECT_LE(phi.norm(), kPi + 1e-12);
     const double angle = 2.5 + 1e-3 * ms;
-    // As rotations: the reading against the motion.
+    // Compares the reading with the motion as rotations.
     const Eigen::Matrix3d R = Eigen::AngleAxisd(phi.norm(), phi.normalized()).toRotationMatrix();
     EXPECT_LT((R - Eigen::AngleAxisd(angle, axis).toRotationMatrix()).norm(), 1e-9) << ms;
     jumped = jumped || phi.dot(axis) < 0.0;

@@ -297,7 +297,7 @@ TEST(BoardDevice, BoardStopsAfterAKilledServer) {
   for (int i = 0; i < 5000 && board.told().drives; ++i) std::this_thread::sleep_for(1ms);
   EXPECT_EQ(board.told().state, HB_STOPPED);
   EXPECT_EQ(board.told().watchdog_stops, 1U);
-  // By the board's own clock, looked at once a millisecond.
+  // The board's own clock, looked at once a millisecond.
   EXPECT_GT(board.told().stopped_after_us, c.watchdog_us);
   EXPECT_LE(board.told().stopped_after_us, c.watchdog_us + 1000);
 }

@@ -19,7 +19,7 @@ class Distance {
     weight_.setConstant(what.sensed_weight * kLength * kLength);
     weight_[what.finger->layout().actuated(0)] = 1.0;
   }
-  /// Of f^-1(x), which goes to q; infinite if x is out of reach.
+  /// Value at f^-1(x), which goes to q; infinite if x is out of reach.
   [[nodiscard]] double at(const VecX& x, VecQ& q) const {
     q = aim_;
     if (what_.finger->inverse(x, q) != core::InverseStatus::kExact) {

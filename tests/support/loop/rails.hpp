@@ -40,7 +40,7 @@ class HandMasses {
   core::VecQ q_, v_;
 };
 
-/// Of n rails, without a tank.
+/// Pipeline of n rails, without a tank.
 [[nodiscard]] core::PipelineConfig rails(int n);
 
 }  // namespace haptic::test

@@ -71,8 +71,8 @@ typedef struct haptic_contact {
   double velocity;     /* of the object along -normal, m/s; > 0: it recedes */
   uint32_t id;         /* names the contact from sample to sample; 0: none */
   uint32_t object;     /* names the body that is pushed, if several contacts push it */
-  /* Of an object that is pushed: kg, N s/m, N/m, and N: the force on it without this contact's and
-   * the damping's, > 0: away from the tool. A mass needs an id. */
+  /* The law of an object that is pushed: kg, N s/m, N/m, and N: the force on it without this
+   * contact's and the damping's, > 0: away from the tool. A mass needs an id. */
   double mass, damping, ground_stiffness, load;
   int32_t has_uncertainty;
   uint32_t object_direction_count; /* 0: the normal */

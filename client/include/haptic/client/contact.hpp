@@ -70,8 +70,9 @@ struct JointAxis {
 /// Second derivative of an object's gap by the point, 1/m: the lower triangle xx, yx, yy, zx, zy,
 /// zz; all 0: flat.
 using Curvature3 = std::array<double, 6>;
-/// Of a sphere, and of a cylinder with this axis (of length 1); `distance` of the point from its
-/// centre or axis, m, != 0; < 0: the point is inside a hollow one, and the normal points inwards.
+/// Curvature of a sphere, and of a cylinder with this axis (of length 1); `distance` of the point
+/// from its centre or axis, m, != 0; < 0: the point is inside a hollow one, and the normal points
+/// inwards.
 [[nodiscard]] Curvature3 sphere_curvature(const Vector3& normal, double distance);
 [[nodiscard]] Curvature3 cylinder_curvature(const Vector3& normal, const Vector3& axis,
                                             double distance);
@@ -96,7 +97,7 @@ struct Contact {
   /// Names the body that is pushed, if several contacts push it; 0: this one alone. `load` is then
   /// without the forces of all these contacts. Each has the whole mass.
   std::uint32_t object{0};
-  /// As Plane::object_direction; empty: the normal, of a body that does not turn. Say it yourself
+  /// Plane::object_direction; empty: the normal, of a body that does not turn. Say it yourself
   /// if the points of these contacts have different frames, as those of point_on_finger() of two
   /// fingers have: their normals cannot be compared.
   std::vector<double> object_direction{};

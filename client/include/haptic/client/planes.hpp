@@ -17,7 +17,7 @@ struct Block {
   std::size_t count{0};
 };
 
-// Of one sample (proto/README.md).
+// Limits of one sample (proto/README.md).
 inline constexpr std::size_t kMaxPlanes = 32;
 inline constexpr std::size_t kMaxContactsOfBlock = 8;
 inline constexpr std::size_t kMaxCurvatures = 320;     ///< numbers, of all contacts

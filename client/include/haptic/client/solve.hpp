@@ -50,10 +50,10 @@ struct Solution {
 /// plain difference of numbers: let an angle of x_probe be the one nearest to the start, and a
 /// quaternion have the sign that is nearer; the length of a quaternion in x is not kept at 1.
 ///
-/// By sequential quadratic programming (Nocedal and Wright, Numerical Optimization, 18.1 and 18.4):
-/// Newton's method with the contacts' curvature, each step cut until energy and violations fall.
-/// Throws std::invalid_argument if a number is not finite or not allowed, std::out_of_range as
-/// contact_at() does; the message names it.
+/// The method is sequential quadratic programming (Nocedal and Wright, Numerical Optimization, 18.1
+/// and 18.4): Newton's method with the contacts' curvature, each step cut until energy and
+/// violations fall. Throws std::invalid_argument if a number is not finite or not allowed,
+/// std::out_of_range as contact_at() does; the message names it.
 [[nodiscard]] Solution solve(const ContactsAt& contacts, const std::vector<double>& x_probe,
                              double coupling, const SolveOptions& options = {});
 

@@ -17,7 +17,7 @@ enum class Mode : std::uint8_t {
 };
 /// The delay that lowers the stiffness (core/METHOD.md#stiffness-in-effect).
 enum class Derating : std::uint8_t { kNone = 0, kDevice = 1, kHeld = 2, kPlanes = 3 };
-/// By the age of a sample in use, force is full (FRESH, HOLD), fades (FADE) or is gone (LOST).
+/// The age of the sample in use: force is full (FRESH, HOLD), fades (FADE) or is gone (LOST).
 enum class Staleness : std::uint8_t { kUnknown = 0, kFresh = 1, kHold = 2, kFade = 3, kLost = 4 };
 /// What brought a sample or a state.
 enum class Carrier : std::uint8_t { kUnknown = 0, kGrpc = 1, kUdp = 2 };

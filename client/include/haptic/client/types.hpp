@@ -154,7 +154,7 @@ struct PublishStatistics {
   std::uint64_t sent{0};             ///< handed to a carrier
   std::uint64_t conflated{0};        ///< replaced by a newer one before they could be sent
   std::uint64_t planes_left_out{0};  ///< of a sample, by keep_deepest() in planes.hpp
-  // As the server counts them.
+  // What the server counted.
   std::uint64_t accepted{0};
   std::uint64_t rejected_old{0};      ///< came after a newer one, or without the lease
   std::uint64_t rejected_invalid{0};  ///< for last_rejection, the newest reason

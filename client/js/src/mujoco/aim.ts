@@ -9,7 +9,7 @@ export class Aim {
   private part = 1;
   private steps = 1;
   private taken = 1;
-  /** Of all steps. */
+  /** Time of all steps. */
   seconds = 1;
   following = false;
 
@@ -40,7 +40,7 @@ export class Aim {
     this.taken = Math.min(this.taken + 1, this.steps);
     this.part = this.taken / this.steps;
   }
-  /** Of coordinate i now; of a quaternion's parts to be normalised. */
+  /** Coordinate i now; a quaternion's parts are to be normalised. */
   at(i: number): number {
     return this.from[i]! + this.part * (this.to[i]! - this.from[i]!);
   }

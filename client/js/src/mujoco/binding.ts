@@ -11,9 +11,9 @@ export interface Binding {
   kind: "joint" | "point" | "pose";
   /** In the model. */
   name: string;
-  /** Of the device. */
+  /** First coordinate of the device. */
   firstCoordinate: number;
-  /** Of a joint: qpos = offset + scale x. scale != 0; -1: the two count in opposite directions. */
+  /** For a joint: qpos = offset + scale x. scale != 0; -1: the two count in opposite directions. */
   scale: number;
   offset: number;
 }

@@ -32,7 +32,7 @@ export class BoundTool {
   private readonly paths: Path[] = [];
   private readonly owned: boolean[];
 
-  /** As Tool, but changes nothing. After mj_forward. */
+  /** Makes what Tool makes, but changes nothing. After mj_forward. */
   constructor(private readonly engine: Engine, bindings: Binding[], options: ToolOptions) {
     const { model, fixed } = engine;
     if (!(options.coupling > 0)) {
@@ -82,7 +82,7 @@ export class BoundTool {
     });
   }
 
-  /** Of a site or body, in the world. */
+  /** Position of a site or body, in the world. */
   positionOf(place: Place): Vector3 {
     return positionOf(this.engine, place);
   }

@@ -1,7 +1,7 @@
 /** MuJoCo's rows of constraints, as the last mj_forward or mj_step found them. */
 import type { Engine, EngineContact } from "./engine.js";
 
-/** Of the cone of friction: what is nearer to it slips. */
+/** Share of the cone of friction: what is nearer to it slips. */
 const SLIPS = 1 - 1e-6;
 
 export interface ConstraintRows {

@@ -46,7 +46,7 @@ export class Engine {
   readonly opt: MjModel["opt"];
   private readonly linear: Float64Array;
   private readonly angular: Float64Array;
-  /** Of data; see view(). */
+  /** Views of data; see view(). */
   private readonly views = new Map<keyof MjData, Float64Array>();
   private readonly column;
   private readonly solved;
@@ -82,7 +82,7 @@ export class Engine {
     return view;
   }
   /** d position / d qpos of a point of `body`, and of its turn: 3 x nv each, till the next call.
-   * As mj_jac, of which a call takes longer than its work. */
+   * It computes what mj_jac does; a call of that takes longer than its work. */
   jacobian(body: number, position: Vector3): { linear: Float64Array; angular: Float64Array } {
     const { linear, angular, fixed: { bodyDof, bodyDofs, bodyParent, bodyRoot, dofParent } } = this;
     const nv = linear.length / 3, axes = this.view("cdof");

@@ -10,7 +10,7 @@ import type { PushedObject } from "./pushed_object.js";
 import { Surroundings } from "./surroundings.js";
 import { add, dot, intoFrame, MOST_CURVED, triangle, vectorAt } from "./vectors.js";
 
-/** Of mjContact.exclude; beyond it is not a contact. */
+/** A value of mjContact.exclude; beyond it is not a contact. */
 const IN_GAP = 1;
 
 export interface NearContact {
@@ -144,8 +144,8 @@ export class NearContacts {
     return type === mjGEOM_SPHERE.value || type === mjGEOM_CAPSULE.value ? geomSize[3 * geom]! : 0;
   }
 
-  /** Of the object's gap to the centre of a round part of the tool, `fromSurface` away from it;
-   * undefined: flat. */
+  /** Curvature of the object's gap to the centre of a round part of the tool, `fromSurface` away
+   * from it; undefined: flat. */
   private curvatureOf(geom: number, normal: Vector3, surface: Vector3,
                       fromSurface: number): Curvature3 | undefined {
     const { mj: { mjtGeom }, fixed } = this.engine, type = fixed.geomType[geom];

@@ -10,7 +10,7 @@ const MOST_COORDINATES = 10000;  // far above those of any device
 /** One binding, found. */
 export interface Place {
   binding: Binding;
-  /** Of joint, site or body. */
+  /** Number of the joint, site or body. */
   id: number;
   /** That it moves. */
   body: number;
@@ -21,7 +21,7 @@ export interface Place {
   dofs: number[];
   /** That its spring meets at least, kg, or kg m^2 of a hinge. */
   mass: number;
-  /** Of a pose, kg m^2. */
+  /** Least inertia of a pose, kg m^2. */
   inertia: number;
   /** b less a of a joint's coordinate; of an angle the short way round. */
   apart(a: number, b: number): number;
@@ -31,12 +31,12 @@ export function refuse(binding: Binding, why: string): never {
   throw new RangeError(`binding '${binding.name}': ${why}`);
 }
 
-/** Of a site or body, in the world. */
+/** Position of a site or body, in the world. */
 export const positionOf = (engine: Engine, { site, id }: Place): Vector3 =>
   vectorAt(engine.view(site ? "site_xpos" : "xpos"), 3 * id);
 
-/** Of the lightest direction of a site or body, 1/kg, and about its lightest axis, 1/(kg m^2): no
- * less than the largest eigenvalues of J M^-1 J^T. */
+/** Inverse masses of the lightest direction of a site or body, 1/kg, and about its lightest axis,
+ * 1/(kg m^2): no less than the largest eigenvalues of J M^-1 J^T. */
 function inverseMasses(engine: Engine, place: Place): [number, number] {
   const nv = engine.model.nv;
   const { linear, angular } = engine.jacobian(place.body, positionOf(engine, place));
@@ -98,7 +98,7 @@ export function findPlace(engine: Engine, binding: Binding): Place {
   return place;
 }
 
-/** Of coordinate i; `whole`: c w. */
+/** Refuses coordinate i if it is too stiff; `whole`: c w. */
 export function refuseStiff(engine: Engine, place: Place, i: number, whole: number): void {
   const turn = place.binding.kind === "pose" && i >= place.binding.firstCoordinate + 3;
   const stiffness = whole * (turn ? 0.25 : 1), mass = turn ? place.inertia : place.mass;

@@ -15,12 +15,12 @@ export interface PushedObject {
   load: number;
   /** m/s; > 0: it recedes. */
   velocity: number;
-  /** Of share(): Contact.object and objectDirection, if other contacts push it too. */
+  /** What share() found: Contact.object and objectDirection, if other contacts push it too. */
   object: number;
   direction: number[];
   /** The topmost of the bodies that move with it. */
   root: number;
-  /** Of the contact, N. */
+  /** Force of the contact, N. */
   force: number;
   /** Per DoF that counts: how far the surface recedes, and u. */
   recedes: Float64Array;
@@ -58,9 +58,9 @@ function findDirections(together: PushedObject[]): void {
   }
 }
 
-/** Of all contacts of a step. Contacts on the same body share it: the directions e_i are those of
- * the u_i in the metric H, so e_i . e_j = J_i H^-1 J_j^T / sqrt(J_i H^-1 J_i^T J_j H^-1 J_j^T), and
- * no load holds the force of another of them. */
+/** Takes all contacts of a step. Contacts on the same body share it: the directions e_i are those
+ * of the u_i in the metric H, so e_i . e_j = J_i H^-1 J_j^T / sqrt(J_i H^-1 J_i^T J_j H^-1 J_j^T),
+ * and no load holds the force of another of them. */
 export function share(objects: (PushedObject | undefined)[]): void {
   const ofRoot = new Map<number, PushedObject[]>();
   for (const object of objects) {

@@ -23,7 +23,7 @@ interface Row {
   mass: number;
   damping: number;
   stiffness: number;
-  /** By damping and mass now, N. */
+  /** Force that damping and mass take now, N. */
   taken: number;
 }
 
@@ -46,7 +46,7 @@ export class Surroundings {
   private dofs: number[] = [];
   /** Where each tree begins in dofs, and the end. */
   private trees: number[] = [];
-  /** Of each DoF in dofs. */
+  /** Place of each DoF in dofs. */
   private place: number[] = [];
   private rows: Row[] = [];
   /** Entries of M that are not 0. */
@@ -60,8 +60,8 @@ export class Surroundings {
 
   constructor(private readonly engine: Engine, private readonly tool: BoundTool) {}
 
-  /** As the last mj_forward or mj_step found them. `rate`: qvel as it began, nv. `bodies`: those of
-   * which object() will be asked. */
+  /** Reads the contacts as the last mj_forward or mj_step found them. `rate`: qvel as it began, nv.
+   * `bodies`: those of which object() will be asked. */
   look(contacts: EngineContact[], rate: Float64Array, bodies: Set<number>): void {
     const { fixed, model, mj } = this.engine, { H } = this;
     this.rate = rate;
@@ -169,7 +169,7 @@ export class Surroundings {
         beside[here]!.add(first);
       });
     }
-    // By their way from what is touched, the nearest last: that keeps the rows of H short.
+    // Sorted by their way from what is touched, the nearest last: that keeps the rows of H short.
     const group = new Set(touched.map((dof) => tree[dof]!));
     for (const root of group) {
       for (const other of [...beside[root]!].sort((a, b) => a - b)) group.add(other);

@@ -169,7 +169,7 @@ export class Tool {
     });
   }
 
-  /** Of the contacts that the last mj_step found. */
+  /** The proxy of the contacts that the last mj_step found. */
   proxy(): Proxy {
     this.#lookForJump();
     const near = this.#contacts.find(this.#seen, this.#rate), { coupling } = this.#options;

@@ -19,7 +19,8 @@ export const intoFrame = (matrix: Numbers, i: number, v: Vector3): Vector3 =>
    dot([matrix[i + 1]!, matrix[i + 4]!, matrix[i + 7]!], v),
    dot([matrix[i + 2]!, matrix[i + 5]!, matrix[i + 8]!], v)];
 
-/** Of the rotation matrix that begins at `i`; its largest part is found first, and is > 0. */
+/** Quaternion of the rotation matrix that begins at `i`; its largest part is found first, and is >
+ * 0. */
 export function quaternionOf(matrix: Numbers, i: number): Quaternion {
   const at = (row: number, column: number) => matrix[i + 3 * row + column]!;
   const [xx, yy, zz] = [at(0, 0), at(1, 1), at(2, 2)];

@@ -16,7 +16,7 @@ function asSourceError(error: unknown): SourceError {
     : new SourceError("unknown", "UNKNOWN", String(error));
 }
 
-/** Of all 32 bits; the library calls one without a name by its number. */
+/** Names of all 32 bits; the library calls one without a name by its number. */
 function names(field: "faults" | "limiters"): string[] {
   return Array.from({ length: 32 }, (_, bit) => {
     const name = bitNames(field, 1 << bit)[0];

@@ -110,7 +110,7 @@ TEST(KeepAlive, GivesUpAfterAnUnansweredPing) {
   }
   EXPECT_GE(pings, 1);
   EXPECT_GE(Clock::now() - began, hasty().keep_alive.given_up_after());
-  // By these times, not by those that are shipped.
+  // These times count, not those that are shipped.
   EXPECT_LT(Clock::now() - began, server::KeepAlive{}.ask_after);
 }
 

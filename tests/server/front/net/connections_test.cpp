@@ -300,7 +300,7 @@ TEST(Suspicion, MessagesOfStreamsAreNone) {
   EXPECT_DOUBLE_EQ(suspicion.bytes(), 0.0);
 }
 
-/// As gRPC's client answers a state per millisecond, a little before or after the acknowledgement.
+/// gRPC's client answers a state per millisecond, a little before or after the acknowledgement.
 TEST(Suspicion, AListenersAnswersAreNone) {
   server::Suspicion suspicion;
   server::Traffic traffic;

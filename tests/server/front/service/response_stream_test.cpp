@@ -16,7 +16,7 @@ using server::Refusal;
 
 const Refusal kFirst{Refusal::Code::kUnavailable, "FIRST", "the first end's"};
 
-/// As a carrier may, it is done before finish() returns.
+/// It is done before finish() returns, which a carrier may be.
 class HandDrivenStream final : public server::ResponseStream {
  public:
   using ResponseStream::end;

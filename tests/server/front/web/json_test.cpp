@@ -41,7 +41,8 @@ TEST(WebJson, SaysWhatCannotBeRead) {
   EXPECT_EQ(why.find_first_of("\x1b\n"), std::string::npos) << why;
 }
 
-/// As in binary: a newer client's fields, and its names of an enumeration, count as absent.
+/// The same as in binary: a newer client's fields, and its names of an enumeration, count as
+/// absent.
 TEST(WebJson, IgnoresWhatIsUnknown) {
   v1::SessionRequest request;
   ASSERT_EQ(Json::read(R"({"new": [{"deep": {}}], "open": {"newer": 1, "clientName": "a",

@@ -119,7 +119,8 @@ TEST_F(PacedLoop, SilentDeviceFaultsByTheTimer) {
                                    [](const TickRecord& r) { return r.faults().any(); });
   ASSERT_NE(silent, keeper.records.end());
   EXPECT_TRUE(silent->faults().has(Fault::kDeviceSilent));
-  // Of the sample at 18.7 ms, and no tick is further from the last than a period and a quarter.
+  // The silence counts from the sample at 18.7 ms, and no tick is further from the last than a
+  // period and a quarter.
   const Duration allowed = rig.unit->config().device.max_silence;
   EXPECT_LE(silent->input.now, kStart + 18700us + allowed + 1250us);
   EXPECT_EQ(silent->life.state, LifecycleState::kFault);

@@ -90,7 +90,7 @@ TEST(Safeguards, TheTankPaysTheWindow) {
   EXPECT_THAT(soft.warnings, testing::Contains(HasSubstr("device[0].passivity.tank.initial_j")));
 }
 
-/// Of a coupled Z_q: every force within the window stores at most that.
+/// A coupled Z_q: every force within the window stores at most that.
 TEST(Safeguards, TheTankPaysACoupledWindow) {
   std::ostringstream text;
   text << std::ifstream(kScenes / "stylus_cartesian.textproto").rdbuf();

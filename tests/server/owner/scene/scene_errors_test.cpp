@@ -317,7 +317,7 @@ TEST(SceneErrors, RecordingsNeverOverwriteTheirSource) {
                      "t.textproto:11: record.file = \"" + same +
                          "\": must be another file: device 'finger' plays"}});
   EXPECT_EQ(error_of(playing + "record { file: \"" + same + ".csv\" }"), "no error");
-  // Of several devices each has a file of its own: run-<device>.csv.
+  // Each of several devices has a file of its own: run-<device>.csv.
   const std::string two = playing + kLinear.substr(kLinear.find("device"));
   EXPECT_EQ(error_of(two + "record { file: \"" + same + "\" }"), "no error");
 }

@@ -68,8 +68,8 @@ TEST(RendererComparison, PressedImpossibleFingerHasNoAnswer) {
   }
 }
 
-/// As in the tick: fingers are devices of their own, the virtual stiffness of the baselines
-/// included.
+/// The same as in the tick: fingers are devices of their own, the virtual stiffness of the
+/// baselines included.
 TEST(RendererComparison, FingerOfHandMatchesFingerAlone) {
   ComparedHand hand(4), alone(1);
   hand.press();

@@ -22,7 +22,7 @@ struct Binding {
   Kind kind{Kind::kJoint};
   std::string name{};               ///< in the model
   std::size_t first_coordinate{0};  ///< of the device
-  /// Of a joint: qpos = offset + scale x. scale != 0; -1 if the two count in opposite directions.
+  /// For a joint: qpos = offset + scale x. scale != 0; -1 if the two count in opposite directions.
   double scale{1.0}, offset{0.0};
 };
 

@@ -90,7 +90,7 @@ class Tool {
   /// Sets qfrc_applied for the next mj_step. Before every one: after a step without it the tool
   /// begins again, see restart().
   void pull();
-  /// Of the contacts that the last mj_step found.
+  /// The proxy of the contacts that the last mj_step found.
   [[nodiscard]] client::Proxy proxy();
 
   /// The tool begins again where the model has it, as a late join: until it came to the probe, see

@@ -53,8 +53,8 @@ class ContactLaws {
   /// The step ends with the multipliers l, one per contact. Those without a law are not read.
   void end(const Vector& l) noexcept;
 
-  /// Of all objects, kinetic and of what holds them: M v^2 / 2 + (load - k s)^2 / (2 k). Of an
-  /// object with several contacts what the one that has most knows of it, so never too much.
+  /// Energy of all objects, kinetic and of what holds them: M v^2 / 2 + (load - k s)^2 / (2 k). For
+  /// an object with several contacts what the one that has most knows of it, so never too much.
   [[nodiscard]] double energy() const noexcept;
 
  private:

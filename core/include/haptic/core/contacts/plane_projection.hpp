@@ -78,15 +78,16 @@ class PlaneProjection {
   PlaneStatus project(const VecX& x_probe, VecX& x, double age = 0.0, double dt = 0.0,
                       int most_steps = kMostSteps) noexcept;
 
-  /// Of the last set(): ||x (-) what the law gives at x_used||_W; 0 without x_used.
+  /// After the last set(): ||x (-) what the law gives at x_used||_W; 0 without x_used.
   [[nodiscard]] double unexplained() const noexcept { return unexplained_; }
   [[nodiscard]] bool has_laws() const noexcept { return laws_.any(); }
-  /// As many calls of project() with one step cost at most 20 us (core/METHOD.md#pushed-objects).
+  /// Number of calls of project() with one step that cost at most 20 us
+  /// (core/METHOD.md#pushed-objects).
   [[nodiscard]] int replayable() const noexcept;
   /// What the last set() or project() spent. With most_steps = 1 project() spends what was left.
   [[nodiscard]] int multiplications() const noexcept { return dual_.spent(); }
   [[nodiscard]] int linearisations() const noexcept { return linearisations_; }
-  // Of the last project():
+  // After the last project():
   /// Every contact and how deep the probe is beyond it; one that was left out has direction 0 and
   /// depth -1.
   [[nodiscard]] const Contacts& contacts() const noexcept { return contacts_; }
@@ -152,7 +153,7 @@ class PlaneProjection {
   };
   /// `last` null: a shape that is known is not used.
   [[nodiscard]] Remainder remainder(int i, LastTurn* last) const noexcept;
-  /// By how much the anchor shifted the gap that contact i was told to have.
+  /// Length by which the anchor shifted the gap that contact i was told to have.
   [[nodiscard]] double shifted(int i) const noexcept;
   /// Parts of error(): how far x may be off, and then each contact. `left`: of curved contacts.
   /// False: nothing follows from gaps that are told whole (`whole`) so far off.
@@ -210,7 +211,7 @@ class PlaneProjection {
   ContactDual dual_{};
   ContactLaws laws_{};
   double unexplained_{0.0};
-  // Of error(), if every contact tells its uncertainty:
+  // Parts of error(), if every contact tells its uncertainty:
   bool bounded_{false}, anchored_{false};
   bool explained_{false};  ///< but for a hundredth
   bool exact_{false};      ///< nothing moves a contact away from its law

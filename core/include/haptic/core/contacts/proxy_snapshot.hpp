@@ -57,8 +57,8 @@ struct PlaneSet {
   // Each of size 0 if no contact has it, else one per plane:
   Offsets compliance{};  ///< gamma >= 0 in (unit of b)^2 of ||.||_W; 0: rigid
   Offsets velocity{};    ///< v, unit of b per s; > 0: the object recedes
-  /// Of objects that are pushed (core/METHOD.md#pushed-objects): with u the unit of b, in s^2/u^2,
-  /// s/u^2, 1/u^2 and 1/u. Mass 0: none.
+  /// Laws of objects that are pushed (core/METHOD.md#pushed-objects): with u the unit of b, in
+  /// s^2/u^2, s/u^2, 1/u^2 and 1/u. Mass 0: none.
   Laws laws{};
   Offsets ids{};      ///< what names a contact with a law from sample to sample; 0: nothing
   Objects objects{};  ///< of size 0 if no two contacts push one object

@@ -18,7 +18,7 @@ class RoundGap {
   RoundGap(Moves moves, int n, const double* g, const double* H) noexcept;
 
   [[nodiscard]] Moves moves() const noexcept { return moves_; }
-  /// Of g.
+  /// Length of g.
   [[nodiscard]] double length() const noexcept { return length_; }
   /// From one hinge to the other, in the gap's unit.
   [[nodiscard]] double link() const noexcept { return length_ * link_; }

@@ -35,7 +35,7 @@ class BoxedLeastSquares {
   [[nodiscard]] double residual2() const noexcept { return residual2_; }
   /// True if a limit holds p against the pull of the residual.
   [[nodiscard]] bool limited() const noexcept { return limited_; }
-  /// Of the free, equilibrated columns at the end; infinite if they depend on each other.
+  /// Condition of the free, equilibrated columns at the end; infinite if they depend on each other.
   [[nodiscard]] double condition() const noexcept { return condition_; }
   /// kExact, kIllConditioned or kRankDeficient, of the free columns at the end.
   [[nodiscard]] ProjectionStatus status() const noexcept { return status_; }

@@ -27,7 +27,7 @@ class LeastSquares {
   /// Never allocates. J or dx that is not finite gives dq = 0 and kRankDeficient.
   void solve(const MatXQ& J, const VecX& dx, const VecA& Z_q) noexcept;
 
-  // Of the last solve():
+  // Results of the last solve():
   /// dq: n_q, in the order of q.
   [[nodiscard]] const VecQ& dq() const noexcept { return dq_; }
   /// S dq.
@@ -41,8 +41,8 @@ class LeastSquares {
   [[nodiscard]] double felt(const VecA& tau_a) const noexcept;
   /// J_a^T (I - J_n J_n^+) dx = R22^T b_2: Eq. (4) for Z_x = I. n_a.
   [[nodiscard]] VecA null_space_force() const noexcept;
-  /// Of the equilibrated J: max|R_kk|/min|R_kk|; above 1e4 from the inverse of R; infinite if J is
-  /// singular.
+  /// Condition of the equilibrated J: max|R_kk|/min|R_kk|; above 1e4 from the inverse of R;
+  /// infinite if J is singular.
   [[nodiscard]] double condition() const noexcept { return condition_; }
   /// kExact, kIllConditioned or kRankDeficient.
   [[nodiscard]] ProjectionStatus status() const noexcept { return status_; }

@@ -52,7 +52,8 @@ class TaskMetric {
   [[nodiscard]] VecX steepest(const VecX& a) const noexcept {
     return steepest(a, 0, static_cast<int>(a.size()));
   }
-  /// Of an a that is 0 but for `count` values from `first` on: n_x multiplications for each.
+  /// The same for an a that is 0 but for `count` values from `first` on: n_x multiplications for
+  /// each.
   [[nodiscard]] VecX steepest(const VecX& a, int first, int count) const noexcept;
 
  private:

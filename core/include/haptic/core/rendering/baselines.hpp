@@ -21,7 +21,7 @@ void anchor_for(const VecA& tau_a, const VecA& stiffness, const DofLayout& layou
 class Standard {
  public:
   explicit Standard(const ProjectionModel& model);
-  /// As Renderer::project.
+  /// See Renderer::project.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
 
@@ -37,7 +37,7 @@ class Standard {
 class NullSpace {
  public:
   explicit NullSpace(const ProjectionModel& model);
-  /// As Renderer::project.
+  /// See Renderer::project.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
 

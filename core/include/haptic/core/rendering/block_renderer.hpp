@@ -23,7 +23,7 @@ class BlockRenderer {
   void change(RendererKind kind) noexcept;
 
   [[nodiscard]] RendererKind kind() const noexcept { return kind_; }
-  /// As Renderer::project. Of several blocks: the worst status and condition, and the residual of
+  /// See Renderer::project. Several blocks have the worst status and condition, and the residual of
   /// all; the baselines' virtual stiffness is each block's own. An idle block is exact, with
   /// condition 0.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,

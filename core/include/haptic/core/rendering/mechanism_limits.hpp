@@ -45,7 +45,7 @@ class MechanismLimits {
  private:
   static constexpr int kBox = 4;  ///< limits that are the box's
   using All = std::array<PairLimit, kPairLimits + kBox>;
-  /// Of a step in turned DoFs, in widths.
+  /// Bounds of a step in turned DoFs, in widths.
   struct Bounds {
     double nearest{0.0}, farthest{std::numeric_limits<double>::infinity()};
     double back{-std::numeric_limits<double>::infinity()};

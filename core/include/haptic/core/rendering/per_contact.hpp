@@ -75,7 +75,7 @@ class PerContact {
  public:
   /// Throws SceneError: a prior on a map of n_x + n_q > kMaxX.
   explicit PerContact(const ProjectionModel& model);
-  /// As Renderer::project.
+  /// See Renderer::project.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
   /// How far the last project()'s tau_a may be from the simulation's own: from `force` (n_a), how

@@ -24,11 +24,11 @@ struct Projection {
   /// With a prior: what its springs store besides 1/2 ||q*_a - q_a||^2_{Z_q}, J: Eq. (18) less
   /// that. The sum is the potential whose negative gradient is tau_a. 0 without a prior.
   double storage{0.0};
-  /// Of the rule per contact: force held back because one contact's push would push another in.
+  /// Rule per contact: force held back because one contact's push would push another in.
   bool contradicted{false};
-  /// Of Eq. (6) beyond reach: held on a branch though another is nearer, or on its way there.
+  /// Eq. (6) beyond reach: held on a branch though another is nearer, or on its way there.
   bool between{false};
-  /// Of the rule per contact: share of damping near a singularity, 0 (none) to 1 (at it).
+  /// Rule per contact: share of damping near a singularity, 0 (none) to 1 (at it).
   double damping{0.0};
 };
 

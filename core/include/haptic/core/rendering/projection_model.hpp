@@ -38,7 +38,7 @@ struct ProjectionSettings {
   TaskMetric metric{};
   std::optional<Prior> prior{};
   IterationLimits iteration{};
-  /// Of Z_q; null: it is diagonal. It couples DoFs of one block, never of two fingers.
+  /// Coupling of Z_q; null: it is diagonal. It couples DoFs of one block, never of two fingers.
   std::shared_ptr<const StiffnessCoupling> coupling{};
 };
 

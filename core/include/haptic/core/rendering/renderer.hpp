@@ -25,7 +25,7 @@ class Renderer {
   /// for all. `proxy_changed` false promises that x is the one of the previous call.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
-  /// As BlockRenderer::widen, after a project().
+  /// See BlockRenderer::widen; after a project().
   [[nodiscard]] bool widen(const Probe& probe, const VecA& stiffness, const ProxyError& error,
                            VecA& force) noexcept;
   /// A contact ended.

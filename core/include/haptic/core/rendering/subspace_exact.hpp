@@ -23,7 +23,7 @@ namespace haptic::core {
 class SubspaceExact {
  public:
   explicit SubspaceExact(const ProjectionModel& model);
-  /// As Renderer::project.
+  /// See Renderer::project.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
   /// Forgets q* and q_n^ref.

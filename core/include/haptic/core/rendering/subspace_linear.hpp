@@ -13,7 +13,7 @@ namespace haptic::core {
 class SubspaceLinear {
  public:
   explicit SubspaceLinear(const ProjectionModel& model);
-  /// As Renderer::project.
+  /// See Renderer::project.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
   /// Forgets q_n^ref.

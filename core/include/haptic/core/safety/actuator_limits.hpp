@@ -11,7 +11,7 @@
 
 namespace haptic::core {
 
-/// Of one actuated DoF. What is not given does not limit.
+/// Ratings of one actuated DoF. A rating that is not given does not limit.
 struct ActuatorRatings {
   double power{std::numeric_limits<double>::infinity()};  ///< W of mechanical power given out, > 0
   double rate{std::numeric_limits<double>::infinity()};   ///< m/s or rad/s, > 0

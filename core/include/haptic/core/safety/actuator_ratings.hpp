@@ -45,7 +45,7 @@ class RatedActuators {
   [[nodiscard]] ForceRange moving(int i, double rate, double limit) const noexcept {
     return moving_range(ratings_[static_cast<std::size_t>(i)], rate, limit);
   }
-  /// Of the windings, C, n_a; nan for a DoF without a model; size 0 if no DoF has one.
+  /// Temperatures of the windings, C, n_a; nan for a DoF without a model; size 0 if no DoF has one.
   [[nodiscard]] const VecA& temperatures() const noexcept { return temperatures_; }
 
  private:

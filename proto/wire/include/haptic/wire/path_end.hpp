@@ -25,7 +25,7 @@ struct PathEndSetup {
 /// What became of a datagram.
 struct Received {
   Rejection rejection{Rejection::kNone};
-  /// Of a PROXY or STATE; lies in the end's own memory until the next call.
+  /// Payload of a PROXY or STATE; lies in the end's own memory until the next call.
   std::optional<ConstBytes> message{};
   PathChange change{PathChange::kNone};
 };

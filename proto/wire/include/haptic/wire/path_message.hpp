@@ -15,7 +15,8 @@ struct PathChallenge {
 };
 
 ///   0  8 token | 8  8 received_ns | 16  8 sent_ns | 24  8 packets | 32  8 newest packet number
-/// As long as the challenge, so that a forged sender address draws no more bytes than were sent.
+/// It is as long as the challenge, so that a forged sender address draws no more bytes than were
+/// sent.
 struct PathResponse {
   std::uint64_t token{0};
   std::int64_t received_ns{0};  ///< responder's steady clock when the challenge came

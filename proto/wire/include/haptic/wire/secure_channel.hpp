@@ -30,7 +30,7 @@ class SecureChannel {
   /// `next` has a path id of its own.
   void rekey(const PathKeys& next);
 
-  /// As Sealer::seal.
+  /// See Sealer::seal.
   [[nodiscard]] std::size_t seal(DatagramType type, ConstBytes payload, Bytes out) noexcept;
   /// All checks of a datagram (proto/README.md#receiving), up to the commit of the window.
   [[nodiscard]] Opened open(ConstBytes datagram, Bytes payload, TimePoint now) noexcept;

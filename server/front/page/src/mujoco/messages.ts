@@ -2,7 +2,7 @@
 
 import type { DeviceStateName } from "hapticd";
 
-/** Of the page. */
+/** What the page says. */
 export type Order =
   | { kind: "start"; scene: string; token?: string }
   | { kind: "engage" | "release" | "reset" }
@@ -16,7 +16,7 @@ export interface Geom {
   rgba: [number, number, number, number];
   /** Part of what the device moves. */
   tool: boolean;
-  /** Of its body, if nothing holds that; empty: it cannot be pushed away. */
+  /** Name of its body, if nothing holds that; empty: it cannot be pushed away. */
   free: string;
 }
 
@@ -32,7 +32,7 @@ export interface Timing {
   frames: number;
 }
 
-/** Of the worker. */
+/** What the worker says. */
 export type Report =
   | { kind: "scene"; device: string; geoms: Geom[]; up: [number, number, number]; motors: Motor[] }
   | {

@@ -19,7 +19,7 @@ const Y = new Vector3(0, 1, 0);
 const HELD = 0.0005; // m: a device that is nearer to the tool than this is not drawn
 const MOVED = 0.001; // m: a thing that moved less stands still
 
-/** Of the page's theme. */
+/** A colour of the page's theme. */
 const colour = (name: string): Color =>
   new Color(getComputedStyle(document.documentElement).getPropertyValue(name).trim());
 
@@ -55,13 +55,13 @@ export class Stage {
   private ghosts: (Mesh | null)[] = [];
   private points: Mesh[] = [];
   private arrows: StraightArrow[] = [];
-  /** Of things that can be pushed away: as they stood first. */
+  /** Outlines of things that can be pushed away: as they stood first. */
   private outlines: { name: string; i: number; line: LineSegments; from?: Vector3 }[] = [];
   private readonly ghost = new MeshLambertMaterial(
     { color: colour("--body-ghost"), transparent: true, opacity: 0.45, depthWrite: false,
       // Behind the tool where both are at one place.
       polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2 });
-  /** Of arrows: in sight, whatever is in front. */
+  /** Material of arrows: in sight, whatever is in front. */
   private readonly ink = new MeshLambertMaterial(
     { color: colour("--body-force"), depthTest: false, transparent: true });
   private fresh = false;

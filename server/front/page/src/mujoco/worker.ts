@@ -73,7 +73,7 @@ async function run(session: Session, world: World): Promise<void> {
       world.reset();
     }
     const begin = performance.now();
-    // Of states that come too fast for this computer the newest alone is seen. Another server's
+    // Only the newest is seen of states that come too fast for this computer. Another server's
     // clock may be behind.
     const passed = last === 0n || state.serverTimeNs <= last ? 1000 / RATE_HZ
       : Number(state.serverTimeNs - last) * 1e-6;

@@ -36,12 +36,13 @@ export class World {
   step(xProbe: number[], periodMs: number, roundTripMs: number): Proxy {
     return this.tool.step(xProbe, periodMs, roundTripMs);
   }
-  /** As it was loaded. The tool notices, and comes to the probe again from outside. */
+  /** Puts the world back as it was loaded. The tool notices, and comes to the probe again from
+   * outside. */
   reset(): void {
     this.mujoco.mj_resetData(this.model, this.data);
   }
-  /** Of contacts that press the tool: where, and the force on it, 6 numbers each; and what presses
-   * it, by the name of the shape or else of its body. */
+  /** Contacts that press the tool: their place, and the force on it, 6 numbers each; and what
+   * presses it, by the name of the shape or else of its body. */
   presses(): { presses: Float32Array; touched: string[] } {
     const touched = new Set<string>();
     const presses = Float32Array.from(this.engine.contacts().flatMap((contact, i) => {
@@ -85,7 +86,7 @@ export class World {
   places(): Float32Array {
     return this.placesOf(this.data);
   }
-  /** Of all geoms, with the tool where the device is; empty: not known. */
+  /** Places of all geoms, with the tool at the device's pose; empty: not known. */
   placesOfProbe(xProbe: number[]): Float32Array {
     if (!this.ghost) return new Float32Array(0);
     const qpos: Float64Array = this.ghost.qpos;

@@ -22,7 +22,7 @@ function ms(value: number | undefined): string {
   return value === undefined ? "not known" : `${number(value, 1)} ms`;
 }
 
-/** Of all carriers and both directions. */
+/** Troubles of all carriers and both directions. */
 function troubles(session: SessionLink): string {
   let lost = 0n;
   const rejected = new Map<string, bigint>();

@@ -16,10 +16,10 @@ import { vector, type Frames } from "./frames";
 
 const Y = new Vector3(0, 1, 0);
 const Z = new Vector3(0, 0, 1);
-/** Of the reach of the picture: an arrow at its limit, and the smallest that can be seen. */
+/** Shares of the reach of the picture: an arrow at its limit, and the smallest that can be seen. */
 const LONGEST = 0.5;
 const SHORTEST = 0.08;
-/** Of the limit: below this there is no arrow. */
+/** Share of the limit: below this there is no arrow. */
 const LEAST_SHARE = 0.005;
 const BENT = 1.5 * Math.PI;
 

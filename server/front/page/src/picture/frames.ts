@@ -17,7 +17,7 @@ import {
 const ONE = new Vector3(1, 1, 1);
 const Z = new Vector3(0, 0, 1);
 
-/** Of each body; null: it is not drawn, because this page does not know how it moves. */
+/** Pose of each body; null: it is not drawn, because this page does not know how it moves. */
 export type Frames = readonly (Matrix4 | null)[];
 
 function finite(value: number | undefined): number {

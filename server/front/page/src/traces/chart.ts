@@ -8,7 +8,7 @@ import { PALETTE, type Line, type Plan } from "./plans";
 
 const HEIGHT = 150;
 const DASH = [6, 4];
-/** Of the windows, s; and the rows kept: as much at 60 states per second, and some. */
+/** The longest window, s; and the rows kept: as much at 60 states per second, and some. */
 const LONGEST = 60;
 const ROWS = 4000;
 
@@ -17,7 +17,7 @@ function colours(): (name: string) => string {
   return (name) => style.getPropertyValue(name).trim();
 }
 
-/** Of a scale: less would show noise as if it were much. */
+/** Least span of a scale: less would show noise as if it were much. */
 const LEAST: Record<string, number> = {
   N: 1,
   "N·m": 0.05,

@@ -35,7 +35,7 @@ export class History {
     this.begin = this.end = 0;
   }
 
-  /** Of the newest row, s; 0: there is none. */
+  /** Time of the newest row, s; 0: there is none. */
   newest(): number {
     return this.end > this.begin ? this.times[this.end - 1]! : 0;
   }

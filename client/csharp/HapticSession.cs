@@ -50,7 +50,7 @@ public sealed class DeviceState {
 }
 
 /// What the proxy may not pass, normal . x <= offset, or a contact: Plane in session.proto.
-public sealed class Contact {
+public sealed class HapticPlane {
   public double[] Normal, Curvature, ObjectDirection;
   public double Offset, Compliance, Velocity, Mass, Damping, GroundStiffness, Load;
   public double? Uncertainty;
@@ -128,7 +128,7 @@ public sealed class HapticSession : IDisposable {
   public void PublishHeld(double[] x) => Publish(ProxyMode.Held, Finite(x, nameof(x)), null);
   /// The server keeps the probe out of up to 32 planes or contacts at 1 kHz. x: where they are
   /// linearised; with an Id in any of them, the simulation's own proxy.
-  public void PublishContacts(IReadOnlyList<Contact> planes, double[] x) {
+  public void PublishContacts(IReadOnlyList<HapticPlane> planes, double[] x) {
     if (planes == null) throw new ArgumentNullException(nameof(planes));
     if (planes.Count > MostPlanes) throw new ArgumentException("more than 32", nameof(planes));
     Publish(ProxyMode.Planes, Finite(x, nameof(x)), planes);
@@ -305,7 +305,7 @@ public sealed class HapticSession : IDisposable {
     }
   }
 
-  void Publish(ProxyMode mode, double[] x, IReadOnlyList<Contact> planes) {
+  void Publish(ProxyMode mode, double[] x, IReadOnlyList<HapticPlane> planes) {
     lock (lock_) {
       if (leaving_) return;
       long now = Clock();
@@ -315,7 +315,9 @@ public sealed class HapticSession : IDisposable {
                                                                 uint.MaxValue));
       }
       sample.Reals(6, x).Number(8, (ulong)mode);
-      if (planes != null) foreach (Contact plane in planes) sample.Sub(10, Messages.Plane(plane));
+      foreach (HapticPlane plane in planes ?? new HapticPlane[0]) {
+        sample.Sub(10, Messages.Plane(plane));
+      }
       byte[] bytes = new Message().Sub(2, sample).Bytes();
       if (bytes.Length > LargestMessage) throw new ArgumentException("more than 64 KB");
       if (next_ != null) ++conflated_;
@@ -458,7 +460,7 @@ public sealed class HapticSession : IDisposable {
       return to;
     }
 
-    internal static Message Plane(Contact from) {
+    internal static Message Plane(HapticPlane from) {
       Message to = new Message().Reals(1, from.Normal).Real(2, from.Offset).Real(3, from.Compliance)
           .Real(4, from.Velocity).Reals(5, from.Curvature).Number(6, from.FirstCoordinate)
           .Number(7, from.Id).Real(8, from.Mass).Real(9, from.Damping)

@@ -18,7 +18,7 @@ static class VirtualWall {
         Thread.Sleep(10);
         DeviceState state = session.State;
         if (state == null) continue;
-        var wall = new Contact {Normal = new double[state.XProbe.Length], Offset = 0.314};
+        var wall = new HapticPlane {Normal = new double[state.XProbe.Length], Offset = 0.314};
         wall.Normal[0] = 1;
         session.PublishContacts(new[] {wall}, state.XProbe);
       }

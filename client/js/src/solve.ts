@@ -134,7 +134,7 @@ function placeAt(contacts: (x: number[]) => Contact[], x: Vector, coupling: numb
     gradients: planes.map(({ normal }) => normal.map((value) => -value)) };
 }
 
-/** Energy of coupling and contacts, over the coupling; a rigid one costs `rigid` times its depth. */
+/** Energy of coupling and contacts, over the coupling; a rigid one costs `rigid` by its depth. */
 function energyOf(at: Place, probe: Vector, weights: Vector, rigid: number): number {
   const pulled = at.x.reduce((sum, v, i) => sum + weights[i]! * (v - probe[i]!) ** 2 / 2, 0);
   return at.planes.reduce((sum, { compliance }, i) => {

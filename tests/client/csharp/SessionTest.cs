@@ -98,7 +98,7 @@ static class SessionTest {
     Check(early.Reason != "" && early.Message != "", early.ToString());
     Throws<ArgumentNullException>(() => session.PublishHeld(null));
     Throws<ArgumentException>(() => session.PublishHeld(new[] {0.0, double.NaN}));
-    Throws<ArgumentException>(() => session.PublishContacts(new Contact[33], new double[2]));
+    Throws<ArgumentException>(() => session.PublishContacts(new HapticPlane[33], new double[2]));
     Throws<ArgumentException>(() => session.PublishHeld(new double[9000]));
     session.PublishHeld(new double[3]);
     Eventually(() => session.LastRejection.Contains("position"), "the server's word on 3 values");
@@ -124,7 +124,7 @@ static class SessionTest {
     Check(engaged.Wait(60000), "EngageWhenReady() is done");
     Eventually(() => {
       DeviceState state = session.State;
-      var wall = new Contact {Normal = new double[] {1, 0}, Id = 7,
+      var wall = new HapticPlane {Normal = new double[] {1, 0}, Id = 7,
                               Offset = state.XProbe[0] - 0.005, Compliance = 0.1,
                               Curvature = new double[] {0, 0, 0}, Uncertainty = 0};
       session.PublishContacts(new[] {wall}, state.XProbe);

@@ -4,6 +4,7 @@ $HAPTICD, $HAPTIC_SCENES, $HAPTIC_MONO and $HAPTIC_CSHARP_PROGRAMS (a folder) sa
 import base64
 import contextlib
 import hashlib
+import json
 import os
 import pathlib
 import re
@@ -13,14 +14,36 @@ import tempfile
 import threading
 import time
 import unittest
+from collections.abc import Iterator
 
 TOKEN = "a-token-of-this-test-alone"
 
 
-def run(program: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+def run(program: str, *arguments: str, told: str = "") -> subprocess.CompletedProcess[str]:
     path = os.path.join(os.environ["HAPTIC_CSHARP_PROGRAMS"], program)
     return subprocess.run([os.environ["HAPTIC_MONO"], path, *arguments], capture_output=True,
-                          text=True, timeout=150, check=False)
+                          text=True, timeout=150, check=False, input=told)
+
+
+def lines(value: object, path: str = "") -> Iterator[str]:
+    """JSON as ContactTest reads it."""
+    if isinstance(value, dict):
+        for name, part in value.items():
+            yield from lines(part, f"{path}.{name}" if path else name)
+    elif isinstance(value, list) and value and isinstance(value[0], dict):
+        for i, part in enumerate(value):
+            yield from lines(part, f"{path}.{i}")
+    else:
+        values = value if isinstance(value, list) else [value]
+        yield " ".join([path, *("" if v is None else str(int(v) if isinstance(v, bool) else v)
+                                for v in values)])
+
+
+class SharedVectors(unittest.TestCase):
+    def test_contacts_are_those_of_all_languages(self) -> None:
+        vectors = pathlib.Path(__file__).parents[1].joinpath("contacts.json").read_text("utf-8")
+        done = run("ContactTest.exe", told="\n".join(lines(json.loads(vectors))))
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
 
 
 class WithHapticd(unittest.TestCase):

@@ -7,7 +7,7 @@
 #
 #   --seconds N    stop after N s (default 20; with --hand 26, its whole motion; with --page 600)
 #   --motion FILE  moves the hand by a recording: CSV, columns time_s,q_o1_mcp_rad,q_o2_pip_rad
-#   --delay MS     a second finger beside it, whose simulation is a round trip of MS ms away, and a
+#   --delay MS     a second finger next to it, whose simulation is a round trip of MS ms away, and a
 #                  picture of both forces, one on the other
 #   --serial       through a serial link: a board's firmware and a model of its actuator, emulated
 #                  on a pseudo-terminal (hw/README.md), instead of the simulated finger
@@ -151,8 +151,8 @@ if $hand; then
   grasp+=("$root/client/mujoco/examples/hand.xml" --film "$output/hand.webm"
     --picture "$output/hand.png")
 fi
-# Nobody wears this device, and the host of a shared machine takes the processors away for tens of
-# ms, again and again: what would be a fault of a real one is counted in the summary (lateness,
+# No person wears this device, and the host of a shared machine takes the processors away for tens
+# of ms, again and again: what would be a fault of a real one is counted in the summary (lateness,
 # skipped ticks).
 more=record.compare_renderers=true
 if $hand; then more='device[0].tracker={}'; fi

@@ -192,7 +192,7 @@ public sealed class HapticSession : IDisposable {
     _ = Seen(opened_.Task);
   }
 
-  /// Nobody has to wait for this task, so its exception must not count as forgotten.
+  /// No caller has to wait for this task, so its exception must not count as forgotten.
   static Task Seen(Task task) {
     task.ContinueWith(done => done.Exception, TaskContinuationOptions.OnlyOnFaulted);
     return task;

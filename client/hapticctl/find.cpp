@@ -29,7 +29,7 @@ struct Found {
 /// Without a time: until Avahi has named all that it knows of.
 Found browse(double seconds) {
   char command[160];
-  // The number is ours; nothing of it comes from the network or a file.
+  // The number is this program's; nothing of it comes from the network or a file.
   std::snprintf(command, sizeof command,
                 "exec timeout --foreground --signal=KILL %.3f avahi-browse --resolve --parsable "
                 "--no-db-lookup %s _hapticd._tcp",

@@ -1,4 +1,4 @@
-/// The session's UDP carrier: samples up and states down beside the stream, which is its fallback.
+/// The session's UDP carrier: samples up and states down next to the stream, which is its fallback.
 
 #include "remote_session.hpp"
 #include "udp_carrier.hpp"

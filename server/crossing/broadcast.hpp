@@ -1,6 +1,6 @@
 #pragma once
 /// Values that one process writes and others read, in memory that the readers cannot write: the
-/// writer waits for nobody, and a reader that is too slow loses values and knows how many.
+/// writer waits for no reader, and a reader that is too slow loses values and knows how many.
 
 #include <array>
 #include <atomic>

@@ -6,8 +6,7 @@
 ///   front -> owner   Request with an id; ProxySample, PoseSample
 ///   owner -> front   Answer with the request's id; Judged; DeviceEvent; StateRecord; DeviceStatus
 ///
-/// What goes to the owner has only members of which every pattern of bits is a value, so that a
-/// front that went wrong can write what it likes there.
+/// Every bit pattern of what goes to the owner is a valid value, so a broken front can do no harm.
 ///
 /// The front keeps its own map from an id to the call that waits for the answer. A front that is
 /// gone looks like a client that fell silent: samples stop, and leases end by their clock.

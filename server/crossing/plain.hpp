@@ -1,6 +1,6 @@
 #pragma once
-/// A truth value and an optional value that may come from another process: every pattern of their
-/// bits is a value, which does not hold for bool and std::optional.
+/// A truth value and an optional value that may come from another process: every bit pattern
+/// is a valid value, which does not hold for bool and std::optional.
 
 #include <concepts>
 #include <cstdint>

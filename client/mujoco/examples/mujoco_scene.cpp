@@ -1,6 +1,6 @@
 /// A MuJoCo simulation made haptic without a line of code for it: whatever of the model has the
 /// name of one of the device's coordinates follows the device (by_name in binding.hpp). finger.xml
-/// beside this file is for `hapticd --scene finger_soft_grasp`, hand.xml for `hapticd --scene
+/// next to this file is for `hapticd --scene finger_soft_grasp`, hand.xml for `hapticd --scene
 /// hand_soft_grasp`; or a model of yours.
 
 #include <algorithm>

@@ -52,7 +52,7 @@ class Surroundings {
   explicit Surroundings(const BoundTool& tool) : tool_(&tool) {}
 
   /// Reads the contacts as the last mj_forward or mj_step found them. `rate`: qvel as it began, nv.
-  /// `bodies`: those of which object() will be asked.
+  /// `bodies`: those that object() will be asked for.
   void look(const mjModel& model, mjData& data, const std::vector<mjtNum>& rate,
             const std::set<int>& bodies);
   /// DoFs that count: those of the bodies, and those that rows connect with them.

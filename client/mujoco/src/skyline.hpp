@@ -1,5 +1,5 @@
 #pragma once
-/// A symmetric positive definite matrix of which each row begins at its first entry, and equations
+/// A symmetric positive definite matrix whose rows begin at their first entry, and equations
 /// with it. Cholesky's factor keeps that shape, so little is done where objects touch few others.
 
 #include <cstddef>

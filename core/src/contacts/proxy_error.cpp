@@ -10,7 +10,7 @@ namespace haptic::core {
 
 namespace {
 
-/// Gap errors of several rigid contacts, the gradients of which are 30 degrees apart or more.
+/// Gap errors of several rigid contacts whose gradients are 30 degrees apart or more.
 constexpr double kWedge = 2.0;
 
 }  // namespace

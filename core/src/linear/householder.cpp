@@ -30,7 +30,7 @@ double diagonal_condition2(int n, const double* column_norm2,
   double worst2 = 1.0;
   for (int k = 0; k < n; ++k) {
     const double scaled2 = column_norm2[k] * inverse_diagonal[k] * inverse_diagonal[k];
-    // At least 1 but for rounding. Also false for NaN, of which a zero column makes one.
+    // At least 1 but for rounding. Also false for NaN, which a zero column makes.
     if (!(scaled2 > 0.5 && scaled2 <= std::numeric_limits<double>::max())) {
       return std::numeric_limits<double>::infinity();
     }

@@ -67,7 +67,7 @@ inline Rows rows_of(const double* column, int m) noexcept {
 
 /// Step k: the reflection that clears column k below the diagonal, applied to what follows.
 /// `rows`: of each column, or null: all. Columns that the reflection does not touch are skipped,
-/// so a map of which each output depends on few DoFs costs what it has entries.
+/// so a map whose outputs depend on few DoFs costs what it has entries.
 [[gnu::always_inline]] inline void reflect(int m, int n, int k, double* A, double* b,
                                            double* inverse_diagonal, Rows* rows) noexcept {
   double* column = A + k * m;

@@ -1,10 +1,10 @@
 #pragma once
 /// The proxy between two samples: how x moves at 1 kHz while the simulation is silent
-/// (core/METHOD.md#local-models). held: x stays, but the coordinates in which it was the probe that
-/// the simulation saw go on with the probe. free: x is the haptic probe itself, so that no force
-/// and no drag arise; a client that falls silent in free space leaves nothing behind that could
-/// pull. planes: x is the haptic probe, kept out of the sample's planes, or the proxy against its
-/// contacts (core/METHOD.md#contacts); while none is in the way it is as free.
+/// (core/METHOD.md#local-models). held: x stays, but coordinates equal to the probe
+/// that the client saw keep following the probe. free: x is the haptic probe itself, so that no
+/// force and no drag arise; a client that falls silent in free space leaves nothing behind that
+/// could pull. planes: x is the haptic probe, kept out of the sample's planes, or the proxy against
+/// its contacts (core/METHOD.md#contacts); while none is in the way it is as free.
 
 #include <bitset>
 
@@ -56,7 +56,7 @@ class LocalProxy {
   void compare(std::uint64_t next, VecX& x) noexcept;
   /// Projects the probe of that tick.
   void project_at(std::uint64_t tick, const Moment& moment, double dt, VecX& x) noexcept;
-  /// Objects that are pushed go on from the tick of which the sample was computed, by the probes
+  /// Objects that are pushed go on from the tick from which the sample was computed, by the probes
   /// of the ticks since then, to the last one.
   void replay(const Moment& moment, VecX& x) noexcept;
   /// From the tick `from`, where objects are, to `last`. `moment`: has the sample's age. In longer
@@ -72,7 +72,7 @@ class LocalProxy {
   ProbeHistory past_;
   ProxyError error_{};
   std::uint64_t began_{0};     ///< the tick of the sample in use, if it has laws and that is known
-  VecX used_{};                ///< the probe of which the sample was computed
+  VecX used_{};                ///< the probe from which the sample was computed
   VecX held_{};                ///< x of the newest held sample
   VecX dx_{};                  ///< to that from used_
   std::bitset<kMaxX> free_{};  ///< coordinates of the held sample that follow the probe

@@ -34,7 +34,7 @@ class ProbeHistory {
     return true;
   }
 
-  /// When `tick`, of which x_probe is known, was.
+  /// Time of `tick`, whose x_probe is known.
   [[nodiscard]] TimePoint time(std::uint64_t tick) const noexcept { return times_[tick % kTicks]; }
 
  private:

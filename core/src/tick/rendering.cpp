@@ -50,8 +50,8 @@ Anchor Rendering::step(const LocalProxy::Moment& moment, const Sensed& sensed,
 /// Every block's f is evaluated in every tick, but a block that nothing can hold is free: no proxy
 /// and a free one hold nothing, planes hold what they name, a held proxy may be anywhere. It has
 /// dx = 0 and q* = q to the bit, hence costs no J and no solve, and if its f has no value at q the
-/// others do not notice (core/METHOD.md#model-only-what-a-scene-needs). A block named again stays
-/// free until its f has a value.
+/// others do not notice (core/METHOD.md#model-only-what-a-scene-needs). A finger touched again
+/// stays free until its map has a value.
 void Rendering::locate(const LocalProxy::Moment& moment, const Sensed& sensed,
                        const ProxySnapshot& sample, Anchor& now) noexcept {
   const BlockSet failed = sensed.ready ? map_.move_to(sensed.q) : map_.all();

@@ -46,7 +46,7 @@ class Rendering {
   [[nodiscard]] bool project(const Sensed& sensed, const Settings& settings, Anchor& now) noexcept;
   /// Anchor::force_error.
   void bound(const Sensed& sensed, const Settings& settings, Anchor& now) noexcept;
-  /// Blocks of which this tick reads J.
+  /// Blocks whose J this tick reads.
   [[nodiscard]] BlockSet needs_J(const Settings& settings) const noexcept;
   [[nodiscard]] Certificate certify(const Sensed& sensed, const Settings& settings,
                                     const Anchor& now) noexcept;

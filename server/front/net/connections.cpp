@@ -267,7 +267,7 @@ void Connections::look_after(core::TimePoint now) {
 
 void Connections::offends(Connection& connection, const char* why) {
   cut(connection, why);
-  // Whoever comes again at once finds the door shut until what it began is tidied up.
+  // A peer that comes again at once finds the door shut until what it began is tidied up.
   accepts_at_ = steady_now() + kPause;
 }
 

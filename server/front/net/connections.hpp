@@ -20,7 +20,7 @@
 /// After a connection was cut for what its peer did, the door is shut for 100 ms.
 ///
 /// Bytes are the kernel's count (TCP_INFO), so that neither TLS nor a codec is in the way. It has
-/// none for UNIX sockets, of which only the number is bounded: they are users of this host.
+/// none for UNIX sockets, only whose number is bounded: they are users of this host.
 
 #include <atomic>
 #include <cstdint>

@@ -16,7 +16,7 @@ constexpr std::size_t kLargestMessage = 64 * 1024;
 /// `rate_hz` as a stream may ask for it: 0, or 1 up to the loop's.
 [[nodiscard]] std::optional<Refusal> check_rate(const char* field, double rate_hz, double loop_hz);
 
-/// PERMISSION_DENIED: whoever asks may only look on.
+/// PERMISSION_DENIED: this client may only look on.
 [[nodiscard]] Refusal observes_only();
 
 /// Text of a client, fit for logs, terminals and other clients: control characters and marks of

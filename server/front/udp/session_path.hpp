@@ -1,6 +1,6 @@
 #pragma once
-/// The datagram path beside a session's stream: carries states while it is in use, and brings
-/// samples.
+/// The datagram path of a session, next to its stream: carries states while it is in use, and
+/// brings samples.
 
 #include <memory>
 #include <mutex>

@@ -253,7 +253,7 @@ class HttpConnection final : public WebConnection,
     }
     text_ = std::move(text);
     answer_ = answer_of(status, type, file.value_or(text_), std::exchange(rare_, {}));
-    // A body that nobody read would pass for the next request.
+    // A body that was not read would pass for the next request.
     answer_.keep_alive(parser_->is_done() && head().keep_alive() && !closing_);
     serializer_.emplace(answer_);
     const bool no_body = read && is(http::verb::head);

@@ -1,7 +1,7 @@
 #pragma once
 /// The owner's pages: what every front reads. Answers, events, verdicts, states and totals are
 /// written where they come up, by the thread on which they do, and a front is woken; the writer
-/// waits for nobody.
+/// waits for no reader.
 
 #include <functional>
 #include <mutex>

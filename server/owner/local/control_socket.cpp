@@ -98,7 +98,7 @@ void ControlSocket::accept_one(Descriptor socket) {
   ucred peer{};
   socklen_t size = sizeof peer;
   getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size);
-  // One that has not asked yet gives way to a newcomer: so idle ones keep nobody out.
+  // One that has not asked yet gives way to a newcomer: so idle ones keep no other out.
   if (connections_.size() == kConnections) {
     auto idle = std::find_if(connections_.begin(), connections_.end(),
                              [](const Connection& c) { return !c.asked; });

@@ -14,8 +14,8 @@ namespace haptic::server {
 
 class SessionRegistry {
  public:
-  /// Controllers and trackers, observers, and watches are limited apart, so that whoever only looks
-  /// never keeps a controller out.
+  /// Controllers and trackers, observers, and watches are limited apart, so that a client that only
+  /// looks never keeps a controller out.
   explicit SessionRegistry(unsigned limit_of_each) : limit_(limit_of_each) {}
 
   using Kind = Request::Kind;  ///< kAdmit...

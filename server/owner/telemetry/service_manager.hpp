@@ -27,7 +27,7 @@ class ServiceManager {
   void ready(const std::string& status) const;
   void stopping() const;
 
-  /// Time between two calls of pulse(); absent: nobody wants any.
+  /// Time between two calls of pulse(); absent: none is wanted.
   [[nodiscard]] std::optional<core::Duration> pulse_period() const;
   /// `ticks` of the loop so far. The watchdog is fed only if there are more than at the last call:
   /// a loop that stands still must not be kept alive by the threads that do not.

@@ -132,7 +132,7 @@ HAPTIC_API int haptic_statistics_of(haptic_session* session, haptic_statistics* 
 /* Contacts for a simulation that knows its own geometry: where a point of the tool is, how near an
  * object is to it, and how that object gives way. These functions take no handle. Vectors are in
  * any one frame that the point, the normal and the curvature share and that does not move with the
- * coordinates. x: `count` coordinates, of which the point's begin at first_coordinate. */
+ * coordinates. x: `count` coordinates; the point's begin at first_coordinate. */
 
 /* A point of a planar finger (MCP, PIP), rad: `along` phalanx number `phalanx` from its joint, and
  * `palmar` of its line, m. Frame: origin on the first axis, +x distal, +y dorsal; at 0 all

@@ -61,7 +61,7 @@ export class Surroundings {
   constructor(private readonly engine: Engine, private readonly tool: BoundTool) {}
 
   /** Reads the contacts as the last mj_forward or mj_step found them. `rate`: qvel as it began, nv.
-   * `bodies`: those of which object() will be asked. */
+   * `bodies`: those that object() will be asked for. */
   look(contacts: EngineContact[], rate: Float64Array, bodies: Set<number>): void {
     const { fixed, model, mj } = this.engine, { H } = this;
     this.rate = rate;

@@ -1,6 +1,6 @@
 #pragma once
-/// Time inside core: points on the server's steady clock. There is no now() here; whoever ticks
-/// says what time it is, so that every rule runs on recorded and on virtual time alike.
+/// Time inside core: points on the server's steady clock. There is no now() here; the caller who
+/// ticks says what time it is, so that every rule runs on recorded and on virtual time alike.
 
 #include <chrono>
 #include <cmath>

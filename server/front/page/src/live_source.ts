@@ -70,7 +70,7 @@ export class LiveSource implements Source {
     };
   }
 
-  /** Asks to control the device, with a rate that is refused whoever asks: which refusal comes
+  /** Asks to control the device, with a rate that is refused to everyone: which refusal comes
    * tells whether the key would allow it, and nothing changes. */
   async mayControl(device: string): Promise<boolean> {
     const error = await this.server

@@ -53,7 +53,7 @@ class PlaneProjection {
   PlaneProjection& operator=(const PlaneProjection&) = delete;
 
   /// From now on these contacts, around `x` (n_x). A contact without a direction, or with a number
-  /// that is not finite, is left out. `x_used` (n_x), if not null: the haptic probe of which the
+  /// that is not finite, is left out. `x_used` (n_x), if not null: the haptic probe from which the
   /// simulation computed x, its own proxy; the gaps are shifted so that the law gives x there
   /// (core/METHOD.md#contacts), and unexplained() is what no shift explains. More than some twenty
   /// rigid contacts can exceed kMostWork: they are then taken as they were told. With a W that is

@@ -1,7 +1,7 @@
 #pragma once
 /// The gap between a point and a round body (a plane, a cylinder, a sphere). Its gradient and its
 /// second order tell it whole (core/METHOD.md#error-bound), if the coordinates are those of the
-/// point itself, in m, or two parallel hinges, in rad, the first of which carries the second.
+/// point itself, in m, or two parallel hinges, in rad; the first one carries the second.
 
 #include <cstdint>
 

@@ -19,7 +19,7 @@ class BlockMap {
   /// x_probe() = f(q), q: n_q. Returns the blocks in which f has no value at q; their x_probe()
   /// stays as it was. Never allocates.
   [[nodiscard]] BlockSet move_to(const VecQ& q) noexcept;
-  /// J() of the blocks of `needed`, in all of which f has a value, is dx_probe/dq at the q of the
+  /// J() of the blocks of `needed`, which all have a value of f, is dx_probe/dq at the q of the
   /// last move_to(); the other blocks are left as they are. If a block's J was needed in this
   /// tick, the next move_to() computes f and J together. Never allocates.
   void differentiate(BlockSet needed) noexcept;

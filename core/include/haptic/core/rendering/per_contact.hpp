@@ -4,10 +4,9 @@
 /// gives the nearest to it, as the finger feels the difference, that pushes the probe into no
 /// contact:
 ///   min ||W (tau_a - tau_8)||  such that  out_i . W tau_a >= -slack_i,  |tau_a| <= limit,
-/// W = (S J^+)^T and out_i the direction out of contact i. slack_i falls from "anything" at depth 0
-/// to 0 at the depth `band`, and likewise from a contact that the actuators cannot reach to one
-/// that a twentieth of their torque bears on, so tau_a is continuous in q, x and the set of
-/// contacts.
+/// W = (S J^+)^T and out_i the direction out of contact i. slack_i is the full push at the
+/// surface and 0 at the depth `band`; it also grows as the motors' leverage on contact i vanishes.
+/// So tau_a is continuous in q, x and the set of contacts.
 ///
 /// Near a singular pose J^+ is damped: not at all below condition 100, smoothly more above, so that
 /// tau_a passes through 0 where Eq. (8) changes its sign at full force
@@ -25,7 +24,7 @@
 namespace haptic::core {
 
 /// Depth at which a contact may no longer be pushed in, in ||.||_W: 0.25 deg of a joint, 0.5 mm of
-/// a point; with a metric of the scene's a twentieth of what counts as 1.
+/// a point; 0.05 in the scene's metric.
 [[nodiscard]] double contact_band(const ProjectionModel& model) noexcept;
 
 /// Calls visit(out, depth, i) for every contact that the probe is inside of, in the coordinates of

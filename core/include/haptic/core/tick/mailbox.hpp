@@ -19,8 +19,7 @@ class Mailbox {
   Mailbox(const Mailbox&) = delete;
   Mailbox& operator=(const Mailbox&) = delete;
 
-  /// Writer's thread only (or under the writers' own mutex): a value of long ago, to be made the
-  /// next one.
+  /// An old slot. Fill it, then publish(). Writer's thread only, or under the writers' own mutex.
   [[nodiscard]] T& draft() noexcept { return slots_[write_]; }
   void publish(const T& value) noexcept {
     draft() = value;

@@ -18,8 +18,8 @@ class Ring {
   explicit Ring(std::size_t capacity)
       : mask_(round_up(capacity) - 1), slots_(std::make_unique<T[]>(mask_ + 2)) {}
 
-  /// Writer's thread only: what make() returns, made in its place for the next push(). If the
-  /// ring is full, that is a place which the reader never sees.
+  /// Makes what make() returns in its place for the next push(). If the ring is full, the value
+  /// goes to a spare slot and is lost. Writer's thread only.
   template <typename Make>
   const T& prepare(const Make& make) noexcept {
     static_assert(std::is_trivially_destructible_v<T>);

@@ -1,6 +1,7 @@
 #pragma once
 /// Names, labels, units and text of a message's fields, read from its descriptor and the options of
-/// haptic/v1/field_options.proto. Whoever prints a message through this shows a new field at once.
+/// haptic/v1/field_options.proto. Code that prints a message through this shows a new field at
+/// once.
 
 #include <cstdint>
 #include <string>

@@ -16,12 +16,12 @@
 
 namespace haptic::wire {
 
-/// One question and its answer. Ours are points on our clock, theirs are readings of their clock.
+/// One question and its answer. Points of this end's clock, and readings of the other end's.
 struct ClockExchange {
-  TimePoint sent{};       ///< ours, question left
+  TimePoint sent{};       ///< this end's clock: question left
   Duration received{0};   ///< theirs, question came
   Duration answered{0};   ///< theirs, answer left
-  TimePoint came_back{};  ///< ours
+  TimePoint came_back{};  ///< this end's clock
 };
 
 /// Not thread-safe.
@@ -34,7 +34,7 @@ class ClockOffset {
   static constexpr int kContradictions = 3;
 
   struct Estimate {
-    Duration offset{0};  ///< theirs minus ours, now
+    Duration offset{0};  ///< their clock minus this end's, now
     double drift{0.0};   ///< theirs runs faster by this share
     Duration bound{0};   ///< the true offset lies within offset +- bound while drifts are plausible
   };

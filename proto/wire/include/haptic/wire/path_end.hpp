@@ -30,7 +30,8 @@ struct Received {
   PathChange change{PathChange::kNone};
 };
 
-/// What the other end received of ours, by its newest response, under the keys in use.
+/// Datagrams of this end that the other end received, by its newest response, under the keys in
+/// use.
 struct PeerReport {
   std::uint64_t received{0};
   std::uint64_t newest{0};  ///< highest packet number among them
@@ -77,7 +78,7 @@ class PathEnd {
   [[nodiscard]] const LinkCounters& counters() const noexcept { return statistics_.counters(); }
   [[nodiscard]] LinkStatistics& statistics() noexcept { return statistics_; }
   [[nodiscard]] const PeerReport& peer_report() const noexcept { return peer_report_; }
-  /// The other end's steady clock against ours.
+  /// The other end's steady clock against this end's.
   [[nodiscard]] const ClockOffset& clock_offset() const noexcept { return clock_offset_; }
 
  private:

@@ -177,8 +177,8 @@ if $serial; then
   done
   board="port: \"$port\" max_effort: 40 max_silence { nanos: 100000000 }"
   settings+=(--set "device[0].board={ $board }"
-    # What the observer knows of a simulated finger it must be told of a device: what moves for
-    # certain beyond the load cell, the end of the rod (hw/emulator/rig.cpp).
+    # The observer must be told for a device what it knows of a simulated finger: the mass that
+    # moves for certain beyond the load cell, the end of the rod (hw/emulator/rig.cpp).
     --set device[0].passivity.tank.inertia_kg=0.02
     --set device[0].passivity.observer.inertia_kg=0.02
     --set device[0].passivity.device_damping_n_s_per_m=0.5)

@@ -16,7 +16,7 @@ constexpr milliseconds kAgreed{200};
 /// A FAULT this soon after want() may be older than the ClearFault that the user sent before it.
 constexpr milliseconds kFaultMayBeOld{250};
 
-/// Whether time and more samples can cure the refusal.
+/// True if time and more samples can cure the refusal.
 bool curable(const ClientError& refused) {
   constexpr const char* kCurable[] = {"NOT_ARMED",    "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES",
                                       "STREAM_STALE", "DEVICE_STALE",     "TRACKER_STALE",

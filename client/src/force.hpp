@@ -1,5 +1,5 @@
 #pragma once
-/// Whether the user wants force, and when to ask the server for it. This class neither reads a
+/// Knows if the user wants force, and when to ask the server for it. This class neither reads a
 /// clock nor calls the server: the session sends Engage and Release, and reports the answers here.
 
 #include <chrono>

@@ -11,7 +11,7 @@ namespace haptic::client {
 
 class NewestState {
  public:
-  /// What the user computes the next sample from.
+  /// The state that the user computes the next sample from.
   struct Given {
     std::uint64_t seq{0};
     std::chrono::steady_clock::time_point received{};
@@ -33,9 +33,9 @@ class NewestState {
     given_ = {newest_.seq, newest_.received, newest_.x_probe};
     return newest_;
   }
-  /// Whether on_state has not had the newest state yet. True once per state.
+  /// True once per state, if on_state has not had the newest one yet.
   [[nodiscard]] bool to_call_back() noexcept { return !std::exchange(called_back_, true); }
-  /// Whether wait_for_state() has not returned the newest state yet.
+  /// True if wait_for_state() has not returned the newest state yet.
   [[nodiscard]] bool to_return() const noexcept { return newest_.seq > returned_; }
   [[nodiscard]] DeviceState give_to_waiting() {
     returned_ = newest_.seq;

@@ -1,7 +1,7 @@
 #pragma once
-/// What waits to be written on a stream. A stream writes one message at a time; only the newest of
-/// the samples that come meanwhile is kept, and a farewell is the last message. This class writes
-/// nothing itself: it says what to write next.
+/// Messages that wait to be written on a stream. A stream writes one message at a time; only the
+/// newest of the samples that come meanwhile is kept, and a farewell is the last message. This
+/// class writes nothing itself: it says what to write next.
 
 #include <cstdint>
 #include <optional>
@@ -19,7 +19,7 @@ class Outbox {
     kLeaving,  ///< a message is, and the farewell follows it
     kOver,     ///< nothing is written any more
   };
-  /// What a write that ended means.
+  /// The meaning of a write that ended.
   struct Written {
     bool sample{false};            ///< a sample was handed over
     std::uint64_t replaced{0};     ///< so many samples before it gave way to newer ones

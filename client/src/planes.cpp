@@ -95,7 +95,7 @@ std::size_t keep_deepest(const std::vector<VirtualCoordinate>& coordinates,
       out += plane.normal[i] * probe[i];
       length = std::hypot(length, plane.normal[i]);
     }
-    // What is no number is farthest: the server refuses it, and no order holds with it.
+    // A depth that is no number is farthest: the server refuses it, and no order holds with it.
     const bool known = length > 0.0 && std::isfinite(out);
     depths.push_back(known ? out / length : -std::numeric_limits<double>::infinity());
   }

@@ -10,7 +10,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kFirstDelay{100}, kLongestDelay{500};
 
-/// Whether waiting can change the answer to the same opening: a server comes back, a lease runs
+/// True if waiting can change the answer to the same opening: a server comes back, a lease runs
 /// out, a session ends. A wrong argument stays wrong.
 bool may_pass(ErrorReason reason) {
   return reason == ErrorReason::kUnreachable || reason == ErrorReason::kTimeout ||

@@ -1,5 +1,5 @@
 #pragma once
-/// Whether a session has a stream, and when the next attempt at one is due. This class neither
+/// Knows if a session has a stream, and when the next attempt at one is due. This class neither
 /// reads a clock nor opens a stream: the session does, and reports here what came of it.
 
 #include <chrono>

@@ -1,4 +1,4 @@
-/// What the server says, on gRPC's threads: into fields, and a state to the user at once.
+/// Takes the server's messages on gRPC's threads: into fields, and a state to the user at once.
 
 #include <algorithm>
 

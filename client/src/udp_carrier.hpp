@@ -19,7 +19,7 @@ class RemoteSession;
 
 class UdpCarrier {
  public:
-  /// Whether a sample went by UDP.
+  /// The answer to: did a sample go by UDP?
   enum class Sent : std::uint8_t {
     kNo,       ///< no: the path is not in use
     kInDoubt,  ///< yes, but answers are overdue: the stream should carry the sample too

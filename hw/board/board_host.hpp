@@ -23,7 +23,7 @@
 
 namespace haptic::hw::board {
 
-/// What the loop wants from the board; the newest counts.
+/// The loop's wish to the board; the newest counts.
 struct Wanted {
   bool arm{false};
   std::uint32_t arming{0};  ///< rises with every new wish to arm
@@ -31,7 +31,7 @@ struct Wanted {
   core::VecA position{};  ///< n_a: the position to take, instead of tau_a; size 0: a force
 };
 
-/// What the loop reads of the board.
+/// The loop's view of the board.
 struct BoardReading {
   bool open{false};    ///< handshake done, board heard from
   bool broken{false};  ///< stopped by its watchdog while this host had armed it, or a fault

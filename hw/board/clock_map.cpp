@@ -26,7 +26,7 @@ void ClockMap::begin(std::uint64_t board_us, core::TimePoint arrival) noexcept {
 
 /// A new point at age 0, `elapsed` s after the one before.
 void ClockMap::fit(double elapsed, double offset) noexcept {
-  // What was at age a is now at age a - elapsed.
+  // A sample that was at age a is now at age a - elapsed.
   s2_ += elapsed * (elapsed * s0_ - 2.0 * s1_);
   s1_ -= elapsed * s0_;
   y1_ -= elapsed * y0_;

@@ -1,5 +1,5 @@
 #pragma once
-/// What the scene requires of a board, and how a board differs from that. A board that differs is
+/// Requirements of the scene to a board, and how a board differs from them. A board that differs is
 /// never armed.
 
 #include <chrono>

@@ -1,6 +1,6 @@
 #pragma once
-/// What surrounds an emulated board: actuator, load cell, an exoskeleton on a simulated finger, and
-/// sensors with noise and resolution. The same seed gives the same bits.
+/// Surroundings of an emulated board: actuator, load cell, an exoskeleton on a simulated finger,
+/// and sensors with noise and resolution. The same seed gives the same bits.
 
 #include <cstdint>
 #include <memory>

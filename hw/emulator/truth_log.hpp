@@ -1,6 +1,6 @@
 #pragma once
-/// What an emulated device really does, without the errors of its sensors: CSV with a header and a
-/// row every 10 ms of the board's time,
+/// The true motion of an emulated device, without the errors of its sensors: CSV with a header and
+/// a row every 10 ms of the board's time,
 ///
 ///   time_s,l_x_m,q_B_rad,force_n    rod, linkage, and the force in the load cell on the linkage
 ///

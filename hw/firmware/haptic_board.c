@@ -72,7 +72,7 @@ static void send_dof(hb_board* board, uint8_t index) {
   transmit(board, HF_DOF, to);
 }
 
-/* Whether the frame in the decoder is newer than the last one accepted (RFC 1982 arithmetic). */
+/* True if the frame in the decoder is newer than the last one accepted (RFC 1982 arithmetic). */
 static bool newer(const hb_board* board) {
   const uint32_t ahead = board->decoder.seq - board->rx_seq;
   return ahead != 0 && ahead < 0x80000000u;

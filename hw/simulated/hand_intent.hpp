@@ -12,7 +12,7 @@
 
 namespace haptic::hw {
 
-/// What of a hand stands where in q.
+/// Places of a hand's DoFs in q.
 struct HandLayout {
   struct Finger {
     std::string name{};     ///< "index"

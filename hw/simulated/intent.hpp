@@ -23,7 +23,7 @@ class Course {
   Course(double rest, double target) noexcept : rest_(rest), target_(target) {}
   Course(double rest, Pchip motion) : rest_(rest), motion_(std::move(motion)) {}
 
-  /// What `t` seconds after the simulation began means for all courses that play one recording, or
+  /// Meaning of `t` seconds after the simulation began, for all courses that play one recording, or
   /// none.
   struct Moment {
     double risen{0.0};     ///< share of the rise

@@ -1,6 +1,6 @@
 #pragma once
-/// What the host must grant before hapticd starts at all. Libraries abort without a word if they
-/// get no descriptor or no thread, so both are asked for first.
+/// Limits that the host must grant before hapticd starts at all. Libraries abort without a word if
+/// they get no descriptor or no thread, so both are asked for first.
 
 namespace haptic::server {
 

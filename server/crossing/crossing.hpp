@@ -155,7 +155,7 @@ struct Lease {
   ClientName taken_from{};      ///< holder that had to give way; empty: the device was free
 };
 
-/// What a session may ask to change; absent and empty leave a setting as it is.
+/// Settings that a session may ask to change; absent and empty leave a setting as it is.
 struct SettingsRequest {
   Values stiffness{}, damping{}, force_limit{}, slew_limit{};  ///< n_a each
   Maybe<core::RendererKind> renderer{};
@@ -233,7 +233,7 @@ struct Answer {
   core::FaultSet faults{};  ///< kClear: those that were cleared
 };
 
-/// What happened to a device, once each.
+/// An event of a device, told once.
 struct DeviceEvent {
   enum class Kind : std::uint8_t {
     kState = 1,         ///< reason "ENGAGED -> ARMED"

@@ -1,5 +1,5 @@
 #pragma once
-/// What a front and the owner say to each other on their socket.
+/// Messages between a front and the owner on their socket.
 ///
 ///   front                         owner
 ///   kHello, its layout   ------>  refuses another layout

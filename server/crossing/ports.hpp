@@ -19,7 +19,7 @@ class Device;
 
 namespace haptic::server {
 
-/// What never changes while the server runs.
+/// Facts that never change while the server runs.
 struct DeviceFacts {
   std::string name{};
   std::shared_ptr<const v1::Device> description{};  ///< state/device_message.hpp

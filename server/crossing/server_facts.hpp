@@ -1,5 +1,5 @@
 #pragma once
-/// What the server says of itself in GetServerInfo, as the composition root knows it.
+/// The server's answer to GetServerInfo, as the composition root knows it.
 
 #include <cstdint>
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace haptic::server {
 
-/// What of real-time behaviour was asked for and what the host granted.
+/// Real-time rights that were asked for, and those that the host granted.
 struct RealtimeFacts {
   Text<8> requested{};  ///< "require", "try", "off"
   bool sched_fifo{false};

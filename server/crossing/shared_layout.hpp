@@ -1,6 +1,6 @@
 #pragma once
-/// What the owner and a front share, byte by byte. Two programs of different builds must agree on
-/// it: a front names its layout in its first message, and the owner refuses another one.
+/// Memory that the owner and a front share, byte by byte. Two programs of different builds must
+/// agree on it: a front names its layout in its first message, and the owner refuses another one.
 
 #include <atomic>
 #include <cstddef>
@@ -26,7 +26,7 @@ struct Happened {
   DeviceEvent event{};
 };
 
-/// What a front counts and the next one goes on with (FrontApp::counted).
+/// Counters of a front with which the next one goes on (FrontApp::counted).
 inline constexpr std::size_t kFrontCounters = 32;
 using FrontCounters = std::array<std::uint64_t, kFrontCounters>;
 

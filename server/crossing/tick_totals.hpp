@@ -1,5 +1,5 @@
 #pragma once
-/// What the ticks of a device add up to since the start.
+/// Sums over the ticks of a device since the start.
 
 #include <algorithm>
 #include <array>

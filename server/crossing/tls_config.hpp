@@ -1,5 +1,5 @@
 #pragma once
-/// What a scene says about TLS: the files, and what the bearers of client certificates may do.
+/// TLS of a scene: the files, and what the bearers of client certificates may do.
 
 #include <filesystem>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-/// What a scene says about browsers and other clients that speak HTTP.
+/// Browsers and other clients that speak HTTP, in a scene.
 
 #include <filesystem>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace haptic::server {
 
-/// What a token is good for, besides a stop.
+/// Rights of a token, besides a stop.
 struct WebRights {
   bool control{false};                ///< false: it may look on
   Priority highest{Priority::kTest};  ///< with control

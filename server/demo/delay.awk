@@ -1,4 +1,4 @@
-# What a delay does to the force of the demo: two recordings of the same motion of the hand.
+# Effect of a delay on the force of the demo: two recordings of the same motion of the hand.
 #
 #   awk -v ms=MS -v curves=FILE -f delay.awk UNDELAYED DELAYED
 #

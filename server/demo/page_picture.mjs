@@ -39,7 +39,7 @@ chromium.on("exit", () => over || giveUp("the browser ended before it was taken"
 
 const { targetId } = await ask("Target.createTarget", { url: address });
 const { sessionId } = await ask("Target.attachToTarget", { targetId, flatten: true });
-/** What keeps it from being a good picture; empty: nothing. */
+/** The reason why it is no good picture yet; empty: none. */
 async function trouble() {
   const expression = `(() => {
     const [live, bad] = ["connection", "trouble"].map((id) => document.getElementById(id));

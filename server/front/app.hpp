@@ -62,7 +62,7 @@ class FrontApp {
 
  private:
   [[nodiscard]] std::string metrics() const;
-  /// What this front and those before it have counted.
+  /// Counters of this front and of those before it.
   [[nodiscard]] FrontCounters counted() const;
 
   const std::string scene_name_;

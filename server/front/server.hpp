@@ -36,7 +36,7 @@ class FrontServer {
   [[nodiscard]] std::uint16_t metrics_port() const;
   /// Those of gRPC and of browsers, with a word on what protects each, for people.
   [[nodiscard]] const std::vector<std::string>& served() const noexcept { return served_; }
-  /// What is not protected, a sentence each.
+  /// Weaknesses, a sentence each.
   [[nodiscard]] std::vector<std::string> weaknesses() const { return context_->weaknesses(); }
   /// The UDP path's; 0 if there is none.
   [[nodiscard]] std::uint16_t udp_port() const;

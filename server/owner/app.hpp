@@ -37,7 +37,7 @@ struct AppOptions {
   bool insecure_lab{false};  ///< for the front: plain text on any address (ServiceConfig)
 };
 
-/// What faces the network, as the App starts and stops it.
+/// The part that faces the network, as the App starts and stops it.
 class FrontRunner {
  public:
   virtual ~FrontRunner() = default;

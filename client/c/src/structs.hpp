@@ -43,7 +43,7 @@ T* sized(T* pointer, const char* name) {
   return pointer;
 }
 
-/// What the caller wrote, and 0 for what its release does not know.
+/// The struct that the caller wrote, and 0 for what its release does not know.
 template <typename T>
 T read(const T* from, const char* name) {
   const std::size_t size = sized(from, name)->size;

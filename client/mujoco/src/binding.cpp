@@ -14,7 +14,7 @@ bool has(const mjModel& model, mjtObj type, const std::string& name) {
   return mj_name2id(&model, type, name.c_str()) >= 0;
 }
 
-/// Whether the coordinates from `first` on are NAME followed by each of `ends`.
+/// True if the coordinates from `first` on are NAME followed by each of `ends`.
 template <std::size_t kCount>
 bool spells(const std::vector<client::VirtualCoordinate>& coordinates, std::size_t first,
             const std::string& name, const char* const (&ends)[kCount]) {

@@ -35,7 +35,7 @@ class BoundTool {
   /// One beyond the last coordinate that is bound.
   [[nodiscard]] std::size_t coordinates() const noexcept { return coordinates_; }
   [[nodiscard]] bool moves(int body) const { return moves_[static_cast<std::size_t>(body)]; }
-  /// Whether each pose's quaternion in x is one: not so short, 1e-3, or long that it is none.
+  /// True if each pose's quaternion in x is one: not so short, 1e-3, or long that it is none.
   [[nodiscard]] bool has_turns(const std::vector<double>& x) const;
   /// DoFs below a bound body: those of bindings, and those that are the tool's own.
   [[nodiscard]] bool owns_dof(int dof) const { return owns_[static_cast<std::size_t>(dof)]; }
@@ -55,7 +55,7 @@ class BoundTool {
                             const Vector3& normal) const;
 
  private:
-  /// What moves a body, from it to the base.
+  /// The joints that move a body, from it to the base.
   struct Path {
     std::vector<const Place*> joints{};
     const Place* frame{nullptr};  ///< a point or pose

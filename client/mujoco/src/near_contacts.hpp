@@ -24,7 +24,8 @@ class NearContacts {
   /// because which side the tool came from is not known. The first time that there are such pairs
   /// mju_warning() says so.
   void begin(const mjModel& model, const mjData& data);
-  /// What the last step found. `x`: all coordinates where the tool was then; `rate`: qvel then.
+  /// The contacts that the last step found. `x`: all coordinates where the tool was then; `rate`:
+  /// qvel then.
   [[nodiscard]] std::vector<NearContact> find(const mjModel& model, mjData& data,
                                               const std::vector<double>& x,
                                               const std::vector<mjtNum>& rate);

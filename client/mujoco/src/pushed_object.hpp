@@ -17,7 +17,7 @@ struct PushedObject {
   double ground_stiffness{0.0};  ///< N/m
   double load{0.0};              ///< N; > 0 pushes it away from the tool
   double velocity{0.0};          ///< m/s; > 0: it recedes
-  // What share() found: Contact::object and object_direction, if other contacts push it too.
+  // Results of share(): Contact::object and object_direction, if other contacts push it too.
   std::uint32_t object{0};
   std::vector<double> direction{};
 
@@ -78,7 +78,7 @@ class Surroundings {
     std::size_t i{0}, k{0};
     double value{0.0};
   };
-  /// Whether a row is a spring now: it pushes, and does not slip. By its force, because MuJoCo 3
+  /// True if a row is a spring now: it pushes, and does not slip. By its force, because MuJoCo 3
   /// leaves efc_state as it was where it solves islands.
   [[nodiscard]] bool counts(const mjModel& model, const mjData& data, int row) const;
   void find_dofs(const mjModel& model, const mjData& data, const std::set<int>& touched);

@@ -20,7 +20,7 @@ constexpr double kInfeasible = 1e-4;
 constexpr double kMet = 1e-15;
 /// Every pivot is larger, but for rounding.
 constexpr double kLeastPivot = 5e-11;
-/// What the smallest system costs, in multiplications.
+/// Cost of the smallest system, in multiplications.
 constexpr int kLeast = 30;
 
 }  // namespace

@@ -190,7 +190,7 @@ void PlaneProjection::displace(VecX& x) const noexcept {
   if (dual_.held() == 0) return;
   const PlaneSet::Normals& D = contacts_.into;
   const std::uint32_t held = dual_.held();
-  // What no plane holds is where the probe is, to the bit: nothing is in its way.
+  // A coordinate that no plane holds equals the probe's, to the bit: nothing is in its way.
   bool moved[kMaxX];
   for (Eigen::Index k = 0; k < x.size(); ++k) moved[k] = !linear_[static_cast<std::size_t>(k)];
   for (std::uint32_t left = held; left != 0; left &= left - 1) {

@@ -1,5 +1,5 @@
 #pragma once
-/// What the drawings of the maps are put together from.
+/// Parts from which the drawings of the maps are put together.
 
 #include <string>
 

@@ -27,7 +27,7 @@ struct LinkageHessian {
   double H[2][2][2]{};
 };
 
-/// What the closed inverse answers.
+/// Answer of the closed inverse.
 struct ClosedPose {
   double l{0.0}, t{0.0};    ///< m, rad
   double c1{0.0}, c2{0.0};  ///< m

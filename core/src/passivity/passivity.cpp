@@ -133,7 +133,7 @@ const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor, do
   const VecA wanted = anchor - q_a_;
   record_.scale = 1.0;
   if (settings_.tank.enabled) {
-    // What a force adds to a motion within a hold is known only with the inertia that it moves.
+    // A force's part in a motion within a hold is known only with the inertia that it moves.
     const bool lends = settings_.device_inertia.size() > 0;
     motion_.slew = hold_s_ * slew;
     record_.scale = tank_.admit(before, spring, wanted, lends ? &motion_ : nullptr, contacts);

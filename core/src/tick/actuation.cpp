@@ -133,7 +133,7 @@ void Actuation::drive(const Beat& beat, const Sensed& sensed, bool wanted,
     effort.limiters.set(by);
   };
   for (int i = 0; ratings_ && i < static_cast<int>(effort.drive.size()); ++i) {
-    // What heats the winding is what the loop drives, not its reference.
+    // The loop's drive heats the winding, not its reference.
     const double most = ratings_->force(i, std::abs(effort.drive[i]));
     if (std::abs(effort.drive[i]) <= most) continue;
     effort.drive[i] = std::copysign(most, effort.drive[i]);

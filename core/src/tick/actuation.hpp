@@ -23,7 +23,7 @@ class Actuation {
                             const Displacement& at) noexcept;
 
  private:
-  /// What the actuators may give in this tick, n_a.
+  /// Forces that the actuators may give in this tick, n_a.
   [[nodiscard]] VecA allowed(const Settings& settings) const noexcept;
   void limit(int i, const Beat& beat, const Sensed& sensed, const Lifecycle& life,
              const Settings& settings, Effort& effort) noexcept;

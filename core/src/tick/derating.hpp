@@ -41,7 +41,7 @@ class Derating {
               const ProxySnapshot& sample, bool moved) noexcept;
   /// How late the loop's answer counts, s.
   [[nodiscard]] double late() const noexcept;
-  /// What the loop allows.
+  /// Finds the stiffness that the loop allows.
   void allow(const Settings& settings) noexcept;
   /// K goes towards that; false: it is that of `settings`.
   [[nodiscard]] bool move(const Settings& settings, Duration dt) noexcept;

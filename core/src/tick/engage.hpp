@@ -7,7 +7,7 @@
 
 namespace haptic::core {
 
-/// What an Engage is judged by.
+/// Facts by which an Engage is judged.
 struct EngageCase {
   TimePoint now{};
   LifecycleState state{LifecycleState::kInit};  ///< before this tick's step
@@ -21,13 +21,13 @@ struct EngageCase {
   bool was_free{false};      ///< free() held in some tick under this lease
 };
 
-/// Whether the sample in use leaves the probe free. A held one may only echo the probe so far.
+/// True if the sample in use leaves the probe free. A held one may only echo the probe so far.
 [[nodiscard]] inline bool free(const ProxyInUse& proxy, const Anchor& anchor) noexcept {
   const bool tells = proxy.mode == ProxyMode::kFree || proxy.mode == ProxyMode::kPlanes;
   return tells && !anchor.in_the_way;
 }
 
-/// Whether it is unknown on which side of an object the probe is: a held proxy does not say it.
+/// True if it is unknown on which side of an object the probe is: a held proxy does not say it.
 [[nodiscard]] inline bool never_free(const ProxyInUse& proxy, bool was_free) noexcept {
   return proxy.mode == ProxyMode::kHeld && !was_free;
 }

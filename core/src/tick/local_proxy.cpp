@@ -59,8 +59,8 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
   }
 }
 
-/// What the sample before held at the same x is held there again, even if the probe had come back
-/// to it: a point that a simulation holds would else give energy at every crossing.
+/// Holds a coordinate again that the sample before held at the same x, even if the probe had come
+/// back to it: a point that a simulation holds would else give energy at every crossing.
 void LocalProxy::find_free(const ProxySnapshot& sample, bool goes_on) noexcept {
   std::bitset<kMaxX> again;
   for (Eigen::Index i = 0; goes_on && i < held_.size(); ++i) {

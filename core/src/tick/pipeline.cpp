@@ -180,7 +180,7 @@ class Pipeline::Stages {
   Rendering rendering_;
   Supervisor supervisor_;
   Actuation actuation_;
-  // What the last tick left:
+  // State that the last tick left:
   bool ready_{false};
   LifecycleState state_{LifecycleState::kInit};
   VecQ in_use_;

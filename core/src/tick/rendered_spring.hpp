@@ -24,7 +24,7 @@ class RenderedSpring {
   void step(const Beat& beat, const Sensed& sensed, const Anchor& wanted, const Lifecycle& life,
             const Settings& settings, const Displacement& at, const VecA& force_limit,
             Effort& effort) noexcept;
-  /// What the device holds until the next tick, after every limit.
+  /// Takes the force that the device holds until the next tick, after every limit.
   void hold(const Effort& effort) noexcept;
 
   // Results of the last step:

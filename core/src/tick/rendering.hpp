@@ -14,7 +14,7 @@
 
 namespace haptic::core {
 
-/// What the stages behind read of this one that is too large to be recorded.
+/// Results that later stages read and that are too large to be recorded.
 struct Displacement {
   Probe probe;     ///< J is of this tick only in the blocks in which `dx` is not 0
   const VecX& dx;  ///< x (-) x_probe, n_x; of this tick if Anchor::mapped and Anchor::in_the_way

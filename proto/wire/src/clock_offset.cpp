@@ -14,7 +14,7 @@ Duration from_ns(double value) noexcept {
   return Duration(static_cast<std::int64_t>(std::llround(value)));
 }
 
-/// What the two clocks may have moved against each other over `age`.
+/// Time by which the two clocks may have moved against each other over `age`.
 Duration drifted(Duration age) noexcept {
   return from_ns(ClockOffset::kLargestDrift * std::abs(ns(age)));
 }

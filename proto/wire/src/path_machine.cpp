@@ -99,8 +99,8 @@ PathChange PathMachine::responded(const PeerAddress& from, const PathResponse& r
   }
   if (state_ != PathState::kInUse) return PathChange::kNone;
   loss_.add(response.packets, response.newest, now);
-  // What was sent before this one and has no answer is lost or late; the silence runs from what was
-  // sent after.
+  // A challenge that was sent before this one and has no answer is lost or late; the silence runs
+  // from the next one.
   std::optional<TimePoint> since;
   for (const Sent& other : sent_) {
     const bool open = !other.answered && !other.of_round && other.at > sent->at;

@@ -11,7 +11,8 @@ Rejection ReplayWindow::check(std::uint64_t number) const noexcept {
 
 void ReplayWindow::commit(std::uint64_t number) noexcept {
   if (number > newest_) {
-    // What the window leaves behind makes room for the numbers between the old newest and this one.
+    // The numbers that the window leaves behind make room for the numbers between the old newest
+    // and this one.
     if (number - newest_ >= kSize) {
       seen_.reset();
     } else {

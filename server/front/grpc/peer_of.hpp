@@ -11,7 +11,7 @@ namespace haptic::server {
 
 [[nodiscard]] Peer peer_of(const grpc::ServerContextBase& call);
 
-/// Whether a gRPC peer's name ("ipv4:127.0.0.1:5", "unix:/path") is on this host.
+/// True if a gRPC peer's name ("ipv4:127.0.0.1:5", "unix:/path") is on this host.
 [[nodiscard]] bool is_this_host(const std::string& peer);
 
 }  // namespace haptic::server

@@ -102,7 +102,7 @@ void report_health(grpc::HealthCheckServiceInterface& health, const ServiceConte
 
 }  // namespace
 
-/// What gRPC's headers are needed for.
+/// The parts that need gRPC's headers.
 struct RpcServer::Grpc {
   explicit Grpc(ServiceContext& shared) : context(shared) {}
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What a connection's bytes came to (private to the front). Every byte that a peer sends must be
+/// Account of a connection's bytes (private to the front). Every byte that a peer sends must be
 /// part of something that the service understood; what is not is a debt.
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace haptic::server {
 
-/// What the service says of a connection. Any thread.
+/// The service's judgement of a connection. Any thread.
 class Account {
  public:
   /// A message of so many bytes, with what HTTP/2 and gRPC put around it.
@@ -42,7 +42,7 @@ class Account {
   [[nodiscard]] std::uint64_t messages() const noexcept {
     return messages_.load(std::memory_order_relaxed);
   }
-  /// What is lost if it is cut: 2 a session, 1 a peer that made a call, 0 nothing so far.
+  /// The loss if it is cut: 2 a session, 1 a peer that made a call, 0 nothing so far.
   [[nodiscard]] int worth() const noexcept {
     if (sessions_.load(std::memory_order_relaxed) > 0) return 2;
     return understood() > 0 ? 1 : 0;
@@ -85,7 +85,7 @@ struct Traffic {
   std::uint64_t acknowledged{0};  ///< sent to the peer, and arrived there
 };
 
-/// Whether a peer asks and does not read the answers. One thread.
+/// Finds out if a peer asks and does not read the answers. One thread.
 class Unread {
  public:
   [[nodiscard]] bool book(const Traffic& traffic, core::TimePoint now) noexcept {

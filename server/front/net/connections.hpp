@@ -54,7 +54,7 @@ struct ConnectionLimits {
 /// So many descriptors are kept for everything but connections.
 inline constexpr unsigned kReservedDescriptors = 48;
 
-/// What is left of `limits` with the descriptors that this process may have, which it raises as far
+/// `limits`, lowered to the descriptors that this process may have, which it raises as far
 /// as it may. Throws core::TransportError if there is room for hardly any connection.
 [[nodiscard]] ConnectionLimits within_descriptors(ConnectionLimits limits);
 /// Throws core::TransportError if the process may not start as many threads as gRPC will: gRPC

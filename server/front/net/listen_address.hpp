@@ -6,7 +6,7 @@
 
 namespace haptic::server {
 
-/// What protects an address.
+/// Protection of an address.
 enum class Protection : std::uint8_t {
   kThisHost,     ///< plain text that does not leave this host: a UNIX socket, or loopback
   kTls,          ///< every client that reaches it is served
@@ -33,7 +33,7 @@ Protection check_listen_address(const std::string& address,
 
 /// "TLS", ...: for people.
 [[nodiscard]] const char* word(Protection protection) noexcept;
-/// What is not protected at `address`, a sentence; empty: nothing.
+/// Weakness of `address`, a sentence; empty: nothing.
 [[nodiscard]] std::string weakness(const std::string& address, Protection protection);
 
 /// `address` with the port that was bound in the place of its own.

@@ -6,7 +6,7 @@
 namespace haptic::server {
 
 void WatchBudget::refill(core::TimePoint now) noexcept {
-  // What is left over is kept for 4 ms: long enough for a drain that was late by a few ticks, too
+  // The rest is kept for 4 ms: long enough for a drain that was late by a few ticks, too
   // short to pay for a burst that the controller would feel.
   const double most = std::max(1.0, rate_ * 4e-3);
   tokens_ = started_ ? std::min(most, tokens_ + rate_ * core::seconds(now - last_)) : most;

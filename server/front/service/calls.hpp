@@ -34,7 +34,7 @@ class Reply : public std::enable_shared_from_this<Reply> {
   /// Once.
   virtual void send(const std::optional<Refusal>& why) = 0;
   [[nodiscard]] bool finished() const noexcept { return finished_.load(); }
-  /// What watch() does when the time is up.
+  /// Called by watch() when the time is up.
   void time_is_up(const std::function<void()>& give_up);
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// What every stream of responses does alike, whatever carries it: one write at a time, and an end
+/// Common part of every stream of responses, whatever carries it: one write at a time, and an end
 /// that happens once, whatever its cause. A carrier (rpc/, web/) derives from it.
 
 #include <memory>
@@ -28,13 +28,13 @@ class ResponseStream : public Subscriber,
     kLost,     ///< the stream broke: a resumable session may come back
   };
 
-  // What the carrier does.
+  // Calls to the carrier.
   /// Under the mutex; no other write is under way. written() follows, later.
   virtual void start_write(Outgoing message) = 0;
   /// Once, with no write under way. Absent: the stream ended in order, or is broken.
   virtual void finish(const std::optional<Refusal>& why) = 0;
 
-  // What the carrier tells.
+  // Calls by the carrier.
   void written(bool ok);
   /// The far end half-closed, or is gone.
   void lost() { end({}, Ending::kLost); }

@@ -1,5 +1,5 @@
 #pragma once
-/// What the service of a front is told when it is made.
+/// Configuration of a front's service.
 
 #include <optional>
 #include <string>

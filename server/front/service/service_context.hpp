@@ -1,5 +1,5 @@
 #pragma once
-/// What the calls of the service share, whatever carries them.
+/// State that the calls of the service share, whatever carries them.
 
 #include <condition_variable>
 #include <functional>
@@ -121,11 +121,11 @@ class ServiceContext final : public Front {
   /// Ends the streams that waited too long for their first message. Any thread.
   void end_overdue(core::TimePoint now);
 
-  /// What is not protected, a sentence each. Calls may come before the last is known. Any thread.
+  /// Adds a weakness, a sentence each. Calls may come before the last is known. Any thread.
   void add_weakness(std::string sentence);
   [[nodiscard]] std::vector<std::string> weaknesses() const;
 
-  /// Whether a device is served: open, and its loop on time (proto/README.md, "Conventions").
+  /// True if a device is served: open, and its loop on time (proto/README.md, "Conventions").
   [[nodiscard]] bool serving(std::size_t device) const;
   /// All of them.
   [[nodiscard]] bool serving() const;

@@ -31,11 +31,11 @@ class SessionStream : public ResponseStream {
   void begin();
   /// The carrier begins to read the next message; under the mutex.
   virtual void start_read() = 0;
-  /// Whether a message of so many bytes may be parsed; if not the stream ends.
+  /// True if a message of so many bytes may be parsed; if not the stream ends.
   [[nodiscard]] bool may_parse(std::size_t bytes);
-  /// What start_read() read, of so many bytes.
+  /// Takes what start_read() read, of so many bytes.
   void received(const v1::SessionRequest& request, std::size_t bytes, core::TimePoint arrival);
-  /// What it read is no SessionRequest; `why`: "not a SessionRequest".
+  /// Refuses a message that is no SessionRequest; `why`: "not a SessionRequest".
   void unreadable(const std::string& why);
   /// The carrier is done with it: nothing is called any more.
   void done();

@@ -1,5 +1,5 @@
 #pragma once
-/// What GetLinkStats says about a session.
+/// Answer of GetLinkStats for a session.
 
 #include <optional>
 

@@ -5,7 +5,7 @@
 namespace haptic::server {
 namespace {
 
-/// What a tick cannot tell from nothing.
+/// A time that a tick cannot tell from nothing.
 constexpr core::Duration kWorthTelling = std::chrono::milliseconds(1);
 
 std::size_t index(Carrier carrier) noexcept {

@@ -20,7 +20,7 @@
 
 namespace haptic::server {
 
-/// What a sample says of its way.
+/// A sample's word about its way.
 struct SampleStamp {
   Carrier carrier{Carrier::kGrpc};
   std::size_t bytes{0};

@@ -229,7 +229,7 @@ void OwnerLink::run() noexcept {
 
 void OwnerLink::pass_on() {
   const Fronts fronts = this->fronts();
-  // What happened before an answer was written comes before that answer.
+  // An event that happened before an answer was written comes before that answer.
   const std::uint64_t answered = pages_->answers.head();
   Happened happened;
   while (pages_->events.read(events_, happened)) {

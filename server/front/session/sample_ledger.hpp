@@ -1,5 +1,5 @@
 #pragma once
-/// What became of a session's samples, and when to tell the client.
+/// The fate of a session's samples, and when to tell the client.
 
 #include "haptic/core/time.hpp"
 #include "haptic/v1/session.pb.h"

@@ -23,7 +23,7 @@
 
 namespace haptic::server {
 
-/// What the other end of a connection is entitled to.
+/// Rights of the other end of a connection.
 struct Rights {
   Priority highest{Priority::kOperator};
   std::string because{};  ///< "with this client's certificate"
@@ -31,7 +31,7 @@ struct Rights {
   bool control{true};     ///< false: as an observer only
 };
 
-/// What all sessions of a front share.
+/// Settings that all sessions of a front share.
 struct SessionSettings {
   double loop_hz{1000.0};
   ArrivalClock clock{steady_arrival};
@@ -83,7 +83,7 @@ class Session final : public SampleSource, public std::enable_shared_from_this<S
   // Fixed before `opened` is called; not to be asked earlier.
   [[nodiscard]] const SessionId& id() const noexcept { return id_; }
   [[nodiscard]] const std::string& client_name() const noexcept { return client_name_; }
-  /// What the loop knows its lease by; 0: it has none.
+  /// Number by which the loop knows its lease; 0: it has none.
   [[nodiscard]] std::uint32_t tenure() const noexcept { return tenure_; }
   /// Period of the client's samples, or of its states if it sends none.
   [[nodiscard]] core::Duration nominal_period() const noexcept { return nominal_period_; }

@@ -11,7 +11,7 @@
 
 namespace haptic::server {
 
-/// What a path tells its session, on the port's thread, with no lock of the path's held.
+/// Calls of a path to its session, on the port's thread, with no lock of the path's held.
 class UdpSink {
  public:
   virtual ~UdpSink() = default;

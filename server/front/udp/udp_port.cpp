@@ -23,8 +23,8 @@ constexpr int kLongestDrain = 256;
 /// Keys wear out over days: it is enough to look now and then.
 constexpr core::Duration kLongestPause = std::chrono::seconds(1);
 
-/// What a client is told; empty: the host that it opened its stream to. To a UNIX socket that means
-/// 127.0.0.1.
+/// Host that a client is told; empty: the host that it opened its stream to. To a UNIX socket that
+/// means 127.0.0.1.
 std::string host_told(const asio::ip::address& bound, const std::vector<std::string>& streams) {
   if (bound.is_unspecified()) return {};
   std::string host = bound.to_string();

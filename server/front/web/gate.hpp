@@ -39,9 +39,9 @@ class Gate {
 
   /// Refused: the Host is not served, or the Origin is a stranger.
   [[nodiscard]] std::optional<Refusal> stranger(const Visitor& visitor) const;
-  /// Whether the origin is another's that the scene lists.
+  /// True if the scene lists the origin of another site.
   [[nodiscard]] bool listed(std::string_view origin) const;
-  /// What a visitor who is no stranger may do; absent in the Outcome's value: what its certificate
+  /// Rights of a visitor who is no stranger; absent in the Outcome's value: what its certificate
   /// or the UNIX socket allows. Refused: it shows nothing that counts.
   [[nodiscard]] Outcome<std::optional<Rights>> rights(const Visitor& visitor) const;
 

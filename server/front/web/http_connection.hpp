@@ -273,7 +273,7 @@ class HttpConnection final : public WebConnection,
     lowest().expires_after(kCloseWithin);
     drop_rest();
   }
-  /// What is on its way still: if the kernel had to refuse it, the answer would be lost too.
+  /// Reads what is still on its way: if the kernel had to refuse it, the answer would be lost too.
   void drop_rest() {
     buffer_.clear();
     lowest().async_read_some(buffer_.prepare(kDropped),

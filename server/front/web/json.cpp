@@ -41,7 +41,7 @@ CodeWords words_of(Refusal::Code code) noexcept {
   return {code, 500, "internal"};
 }
 
-/// Whether brackets nest deeper than kDeepest, as far as `text` is JSON. protobuf bounds objects in
+/// True if brackets nest deeper than kDeepest, as far as `text` is JSON. protobuf bounds objects in
 /// objects, but not arrays in arrays: 64 KB of those cost it 30 ms and 20 MB.
 bool too_deep(std::string_view text) noexcept {
   int depth = 0;

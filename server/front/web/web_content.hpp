@@ -1,5 +1,5 @@
 #pragma once
-/// What is served over HTTP besides the service: the page's files, and the metrics' text.
+/// Content that is served over HTTP besides the service: the page's files, and the metrics' text.
 
 #include <filesystem>
 #include <functional>
@@ -18,7 +18,7 @@ struct PageFile {
 /// Files by the path of their address, "/app.js"; "/" is index.html.
 using Page = std::map<std::string, PageFile, std::less<>>;
 
-/// What hapticd says if `Page` has no "/".
+/// Text that hapticd serves if `Page` has no "/".
 constexpr std::string_view kNoPage =
     "The page was not built (needs npm): cmake --build build/release --target haptic_page";
 

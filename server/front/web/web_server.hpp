@@ -14,7 +14,7 @@ namespace haptic::server {
 
 class WebServer {
  public:
-  /// What an address serves.
+  /// Part of the server that an address serves.
   enum class Scope : std::uint8_t { kAll, kMetrics };
   struct Address {
     std::string bound{};  ///< "HOST:PORT", "unix:/PATH"

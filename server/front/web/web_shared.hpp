@@ -1,5 +1,5 @@
 #pragma once
-/// What the connections of a WebServer share (private to web_server.cpp). One thread.
+/// State that the connections of a WebServer share (private to web_server.cpp). One thread.
 
 #include <memory>
 #include <string>
@@ -45,7 +45,7 @@ struct WebShared {
   }
 };
 
-/// What is known of a connection before it says a word.
+/// Knowledge of a connection before it says a word.
 struct WebPeer {
   Peer peer{};
   WebServer::Scope scope{WebServer::Scope::kAll};

@@ -10,8 +10,8 @@
 
 namespace haptic::server {
 
-/// What runs when an operation ends. One type for every operation: Beast's and TLS's machinery is
-/// then compiled once, and not once for each pair of them.
+/// The function that runs when an operation ends. One type for every operation: Beast's and TLS's
+/// machinery is then compiled once, and not once for each pair of them.
 class Completion {
  public:
   template <typename Handler>
@@ -78,7 +78,7 @@ class WebStream {
   void tear_down(beast::role_type role, Completion done);
 
  private:
-  /// What one system call moves at most; the rest waits for the next.
+  /// Buffers that one system call moves at most; the rest waits for the next.
   template <typename Buffer>
   using Some = boost::container::static_vector<Buffer, 8>;
 

@@ -62,7 +62,7 @@ Ingress::Refused Ingress::check_planes(const ProxySample& sample) const {
   return {};
 }
 
-/// What makes a plane a contact.
+/// Checks what makes a plane a contact.
 Ingress::Refused Ingress::check_contact(const ProxySample& sample, std::size_t p) const {
   constexpr auto kBad = IngressVerdict::kBadPlane;
   const PlaneSample& plane = sample.planes[p];
@@ -177,7 +177,7 @@ void Ingress::write_planes(const ProxySample& sample, core::ProxySnapshot& next)
     curvatures += plane.curvature_count;
     if (plane.id != 0) next.anchored_at = sample.tick_used;
   }
-  // What no plane of the sample has takes no room in the tick.
+  // A part that no plane of the sample has takes no room in the tick.
   planes.compliance.resize(soft ? count : 0);
   planes.velocity.resize(moving ? count : 0);
   planes.uncertainty.resize(known ? count : 0);

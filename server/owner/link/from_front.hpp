@@ -1,6 +1,6 @@
 #pragma once
-/// What comes from a front, made harmless before anything looks at it: a front may be anybody's. It
-/// may do no more than the most privileged client, and its times lie in the past.
+/// Makes harmless what comes from a front, before anything looks at it: a front may be anybody's.
+/// It may do no more than the most privileged client, and its times lie in the past.
 
 #include "server/crossing/crossing.hpp"
 

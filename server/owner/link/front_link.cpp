@@ -270,7 +270,7 @@ void FrontLink::clear_away(Place& place) {
       place->served_since != core::TimePoint{} && now_ - place->served_since > kLasted;
   const bool told = place->stage == Stage::kLeaving;
   if (place->link) {
-    // What it sent before it ended, stops above all.
+    // Takes what it sent before it ended, stops above all.
     static_cast<void>(take_messages(*place));
   }
   for (std::size_t i = 0; i < kFrontCounters; ++i) {

@@ -14,7 +14,7 @@ namespace haptic::server {
 /// below that. Throws TransportError if it is none that can be run.
 [[nodiscard]] std::filesystem::path front_program();
 
-/// What every front of this daemon is limited to.
+/// Limits of every front of this daemon.
 [[nodiscard]] FrontLimits front_limits(const Scene& scene);
 
 /// The front as processes that `launcher` starts; null: the scene is offline, and only the local

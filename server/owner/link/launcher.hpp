@@ -14,7 +14,7 @@
 
 namespace haptic::server {
 
-/// What a front may not do from its first instruction on, whatever its program is.
+/// Limits of a front from its first instruction on, whatever its program is.
 struct FrontLimits {
   std::size_t memory_bytes{0};    ///< RLIMIT_DATA, which counts whole stacks; 0: none
   std::size_t stack_bytes{0};     ///< RLIMIT_STACK, of every thread; 0: as it is
@@ -45,7 +45,7 @@ class Launcher {
   void kill(pid_t front);
   /// Readable when next() has something to say.
   [[nodiscard]] int descriptor() const noexcept { return socket_.get(); }
-  /// What became of fronts; absent: nothing more. Every started one ends once.
+  /// The fate of a front; absent: nothing more. Every started one ends once.
   [[nodiscard]] std::optional<Notice> next();
   /// The launcher has ended, which only a signal can do; next() found out.
   [[nodiscard]] bool gone() const noexcept { return gone_; }

@@ -44,7 +44,7 @@ class ControlSocket {
   ControlSocket(const ControlSocket&) = delete;
   ControlSocket& operator=(const ControlSocket&) = delete;
 
-  /// What to poll for, before turn().
+  /// Adds what to poll for, before turn().
   void add_to(std::vector<pollfd>& wait) const;
   /// Accepts, reads and calls the handler; a bounded number at a time.
   void turn();

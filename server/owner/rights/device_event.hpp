@@ -1,5 +1,5 @@
 #pragma once
-/// What happened to a device, once each: found by comparing a tick's record with the one before.
+/// Events of a device, once each: found by comparing a tick's record with the one before.
 
 #include <array>
 #include <optional>
@@ -22,7 +22,7 @@ class EventDetector {
             std::vector<DeviceEvent>& events);
 
  private:
-  /// What the loop allows of the stiffness, if that changed by much.
+  /// Tells the stiffness that the loop allows, if that changed by much.
   void derating(const core::TickRecord& record, std::vector<DeviceEvent>& events);
   void limiters(const core::TickRecord& record, std::vector<DeviceEvent>& events);
 

@@ -33,7 +33,7 @@ struct SessionRules {
   std::optional<double> coupling_softness{};          ///< DeviceFacts
 };
 
-/// What a call of DeviceSessions gave, each in the order in which it happened.
+/// Output of a call of DeviceSessions, each in the order in which it happened.
 struct Outbox {
   std::vector<Answer> answers{};
   std::vector<DeviceEvent> events{};
@@ -62,7 +62,7 @@ class DeviceSessions {
   void begin_closing();
   /// The loop has ended: what waits for a tick, or would, is refused at once.
   void loop_ended();
-  /// What came out since the last call.
+  /// Output since the last call.
   [[nodiscard]] Outbox take();
 
   [[nodiscard]] const LeaseBook& lease() const noexcept { return lease_; }

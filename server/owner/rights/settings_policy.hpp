@@ -1,5 +1,5 @@
 #pragma once
-/// What a session may change of the scene's settings: tighten, never widen
+/// Changes of the scene's settings that a session may make: tighten, never widen
 /// (proto/README.md#a-session).
 
 #include <optional>

@@ -1,4 +1,4 @@
-// What a scene says about the daemon: addresses, TLS, loop, recording.
+// The daemon in a scene: addresses, TLS, loop, recording.
 #include <algorithm>
 #include <set>
 

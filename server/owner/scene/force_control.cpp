@@ -15,7 +15,7 @@ constexpr double kRangePerEffort = 2.0;
 /// takes longer (core/METHOD.md#a-load-cell-that-lies).
 constexpr double kRatePerEffort = 100.0;
 
-/// What both laws believe of a load cell: its range, rate and `stuck`, how far the command may move
+/// Belief of both laws about a load cell: its range, rate and `stuck`, how far the command may move
 /// while the cell stands still.
 std::vector<core::CellRatings> read_cells(const Fields& part, int n_a, const core::VecA& effort,
                                           const char* stuck, const core::VecA& swing_by_default) {

@@ -31,7 +31,7 @@ using SharedKinematics = std::shared_ptr<const core::Kinematics>;
 [[nodiscard]] SharedKinematics read_serial_chain(const Part<v1::SerialChainScene>& part);
 [[nodiscard]] core::FingerDimensions read_dimensions(const Part<v1::FingerExoskeletonScene>& part);
 
-/// What `make` makes; null if the message has errors, or the mechanism is impossible.
+/// The result of `make`; null if the message has errors, or the mechanism is impossible.
 template <typename Make>
 [[nodiscard]] SharedKinematics made(const Fields& part, const Make& make) {
   if (!part.good()) return nullptr;
@@ -80,7 +80,7 @@ void read_passivity(const Part<v1::PassivityScene>& part, DeviceScene& device);
   const core::Kinematics* const kinematics = device.pipeline.kinematics.get();
   return kinematics == nullptr ? -1 : kinematics->layout().n_a();
 }
-/// What the device can give per actuated DoF; empty if the source is wrong.
+/// Largest force of the device per actuated DoF; empty if the source is wrong.
 [[nodiscard]] inline core::VecA effort_of(const DeviceScene& device) {
   return device.source ? device.source->effort() : core::VecA{};
 }

@@ -23,7 +23,7 @@ core::TankSettings read_tank(const Fields& part) {
   return tank;
 }
 
-/// What is known of a device's own dynamics is the default.
+/// Default: the device's own dynamics, if they are known.
 std::optional<Fields::Numbers> known(const core::VecA& own) {
   return own.size() > 0 ? std::optional<Fields::Numbers>(own) : std::nullopt;
 }

@@ -1,4 +1,4 @@
-// What is rendered on a device, in which metric, and within which limits.
+// Rendering on a device: metric and limits.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,7 @@ constexpr double kWindowPerForce = 0.25;
 
 /// A longer silence is not jitter of a network; also the longest lease (proto/README.md#a-session).
 constexpr core::Duration kLongestSilence{std::chrono::seconds(60)};
-/// What 2.5 periods of a client are clamped to at most (proto/README.md#staleness-and-gain).
+/// Most that 2.5 periods of a client count (proto/README.md#staleness-and-gain).
 constexpr core::Duration kWidestFreshEnd{std::chrono::milliseconds(80)};
 /// Shortest fade from full force to none (proto/README.md#staleness-and-gain), and the longest: a
 /// release waits for it, and so does the end of hapticd.

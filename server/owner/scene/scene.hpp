@@ -89,7 +89,7 @@ struct Scene {
   /// The scene as text with every default, as --print-scene shows it. Reads back as the same scene
   /// from any folder: files have their full path.
   std::string resolved{};
-  /// What may be served but is questionable, each "field = value: why".
+  /// Warnings about what may be served but is questionable, each "field = value: why".
   std::vector<std::string> warnings{};
 };
 

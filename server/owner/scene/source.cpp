@@ -27,7 +27,7 @@ core::VecA read_effort(const Fields& part, int n_a) {
   return part.per_actuated("max_effort", Allowed::kPositive, n_a);
 }
 
-/// What a finger and a hand have in common.
+/// Common part of a finger and a hand.
 template <typename Message>
 void read_worn_finger(const Part<Message>& part, hw::WornFinger& worn) {
   part.numbers({

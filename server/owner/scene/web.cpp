@@ -1,4 +1,4 @@
-// What a scene says about browsers and other clients that speak HTTP.
+// Browsers and other clients that speak HTTP, in a scene.
 #include <set>
 
 #include "haptic/wire/ports.hpp"

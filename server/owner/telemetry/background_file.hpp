@@ -18,7 +18,7 @@ class BackgroundFile {
   /// The type of write(2), for tests.
   using Write = std::function<ssize_t(int file, const void* data, std::size_t size)>;
 
-  /// What may wait for a slow disk: some ten seconds of a finger's rows.
+  /// Bytes that may wait for a slow disk: some ten seconds of a finger's rows.
   static constexpr std::size_t kMostWaiting = 8 << 20;
 
   /// Takes the descriptor over, and closes it in the end.

@@ -1,5 +1,5 @@
 #pragma once
-/// What systemd is told of the daemon (sd_notify(3); Type=notify and WatchdogSec of the unit): that
+/// Tells systemd of the daemon (sd_notify(3); Type=notify and WatchdogSec of the unit): that
 /// it serves, that it stops, and, again and again, that the loop ticks. Main's thread only; the
 /// loop never knows of it. Without systemd all of it does nothing.
 
@@ -21,7 +21,7 @@ class ServiceManager {
   /// The one that started this process, by $NOTIFY_SOCKET and $WATCHDOG_USEC.
   [[nodiscard]] static ServiceManager of_environment();
 
-  /// Whether one started this process.
+  /// True if one started this process.
   [[nodiscard]] bool present() const noexcept { return present_; }
   /// `status`: one line for `systemctl status`.
   void ready(const std::string& status) const;

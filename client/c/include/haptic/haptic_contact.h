@@ -1,7 +1,7 @@
 #ifndef HAPTIC_HAPTIC_CONTACT_H
 #define HAPTIC_HAPTIC_CONTACT_H
-/* What a simulation says of its objects: planes and contacts, and the geometry that makes them. The
- * rules of structs are in haptic_types.h. */
+/* A simulation's objects as it tells them: planes and contacts, and the geometry that makes them.
+ * The rules of structs are in haptic_types.h. */
 #include <haptic/haptic_state.h>
 
 #define HAPTIC_MAX_POINT_COORDINATES 8 /* that one point depends on */

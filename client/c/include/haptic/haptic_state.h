@@ -1,6 +1,7 @@
 #ifndef HAPTIC_HAPTIC_STATE_H
 #define HAPTIC_HAPTIC_STATE_H
-/* What the server says of a device at one tick. The rules of structs are in haptic_types.h. */
+/* The state of a device at one tick, as the server tells it. The rules of structs are in
+ * haptic_types.h. */
 #include <stddef.h>
 #include <stdint.h>
 

@@ -19,7 +19,7 @@
 
 #define HAPTIC_MAX_NAME 64
 
-/* What every function returns. */
+/* Results of every function. */
 enum {
   HAPTIC_OK = 0,
   HAPTIC_NOTHING = 1, /* nothing waits: no event, no refusal */

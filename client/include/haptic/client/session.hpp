@@ -146,7 +146,7 @@ class Session {
   /// True while the session has a stream. False too while a lost stream is opened again
   /// (Reconnect::kWithBackoff).
   [[nodiscard]] virtual bool connected() const = 0;
-  /// What is known of the UDP path; empty if the session has none.
+  /// Figures of the UDP path; empty if the session has none.
   [[nodiscard]] virtual std::optional<UdpLink> udp_link() const = 0;
   /// From publish() to the arrival of the first state that used the sample, by whatever carrier:
   /// rises at once, falls slowly. 0: not known yet. For contact_horizon() in contact.hpp.

@@ -14,8 +14,8 @@ struct StateField {
   std::string name{};  ///< as in proto/haptic/v1/session.proto: "tau_a"
   Kind kind{Kind::kNumber};
   bool repeated{false};
-  /// What the values of a repeated field belong to: "dof", "actuated" (DoFs) or "coordinate";
-  /// empty: nothing that has a name.
+  /// Things that the values of a repeated field belong to: "dof", "actuated" (DoFs) or
+  /// "coordinate"; empty: nothing that has a name.
   std::string axis{};
   /// Per value: names of DoFs or virtual coordinates, in this order; empty without an axis.
   std::vector<std::string> labels{};

@@ -19,9 +19,9 @@ enum class Mode : std::uint8_t {
 enum class Derating : std::uint8_t { kNone = 0, kDevice = 1, kHeld = 2, kPlanes = 3 };
 /// The age of the sample in use: force is full (FRESH, HOLD), fades (FADE) or is gone (LOST).
 enum class Staleness : std::uint8_t { kUnknown = 0, kFresh = 1, kHold = 2, kFade = 3, kLost = 4 };
-/// What brought a sample or a state.
+/// The way by which a sample or a state came.
 enum class Carrier : std::uint8_t { kUnknown = 0, kGrpc = 1, kUdp = 2 };
-/// What a device is ready for. Force is rendered from kEngaging to kReleasing only.
+/// The state of a device. Force is rendered from kEngaging to kReleasing only.
 enum class Lifecycle : std::uint8_t {
   kUnknown = 0,
   kInit = 1,       ///< the device opens

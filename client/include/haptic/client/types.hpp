@@ -1,6 +1,7 @@
 #pragma once
-/// What a client sees of the server and its devices, and what it sends. Units are SI. "Per DoF",
-/// "per actuated DoF" and "per coordinate" mean one value for each, in the order of DeviceInfo.
+/// The server and its devices as a client sees them, and the samples that it sends. Units are SI.
+/// "Per DoF", "per actuated DoF" and "per coordinate" mean one value for each, in the order of
+/// DeviceInfo.
 
 #include <chrono>
 #include <cstdint>
@@ -154,7 +155,7 @@ struct PublishStatistics {
   std::uint64_t sent{0};             ///< handed to a carrier
   std::uint64_t conflated{0};        ///< replaced by a newer one before they could be sent
   std::uint64_t planes_left_out{0};  ///< of a sample, by keep_deepest() in planes.hpp
-  // What the server counted.
+  // Counts of the server.
   std::uint64_t accepted{0};
   std::uint64_t rejected_old{0};      ///< came after a newer one, or without the lease
   std::uint64_t rejected_invalid{0};  ///< for last_rejection, the newest reason

@@ -1,6 +1,7 @@
 #pragma once
-/// What set-up throws, by reason. A message says what is wrong, the value, what is allowed, where:
-/// `impedance.stiffness_n_per_m[0] = -3: must be > 0`. Cyclic code returns enums and never throws.
+/// Errors that set-up throws, by reason. A message says what is wrong, the value, what is allowed,
+/// where: `impedance.stiffness_n_per_m[0] = -3: must be > 0`. Cyclic code returns enums and never
+/// throws.
 
 #include <cmath>
 #include <stdexcept>

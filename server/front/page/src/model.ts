@@ -1,5 +1,5 @@
-// What the page reads of the server's messages. The messages of the client library fit these types
-// as they are; 64-bit integers are bigints, enums are their numbers.
+// Parts of the server's messages that the page reads. The messages of the client library fit these
+// types as they are; 64-bit integers are bigints, enums are their numbers.
 
 import type { Drawing } from "./picture/drawing";
 

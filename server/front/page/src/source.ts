@@ -35,7 +35,7 @@ export interface Source {
   links(): Promise<SessionLink[]>;
   watch(device: string, listener: Listener): Watching;
 
-  /** Whether this page's key allows more than to look and to stop. */
+  /** True if this page's key allows more than to look and to stop. */
   mayControl(device: string): Promise<boolean>;
   /** All devices; answers with the names of those that are stopped. */
   stop(): Promise<string[]>;

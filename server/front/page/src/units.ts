@@ -2,7 +2,7 @@
 
 import type { Device, Duration } from "./model";
 
-/** What a quantity is shown in, and its size in SI. */
+/** Unit in which a quantity is shown, and its size in SI. */
 export interface Shown {
   unit: string;
   factor: number;

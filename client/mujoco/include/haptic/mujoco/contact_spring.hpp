@@ -26,8 +26,8 @@ class ContactSpring {
   [[nodiscard]] double force(double depth) const;
   /// df/d(depth), N/m, > 0.
   [[nodiscard]] double slope(double depth) const;
-  /// What to tell of a contact, N/m: inside its slope; before it touches, what force over depth
-  /// will be at half of solimp's width.
+  /// Stiffness to tell for a contact, N/m: inside its slope; before it touches, what force over
+  /// depth will be at half of solimp's width.
   [[nodiscard]] double stiffness(double depth) const;
 
  private:

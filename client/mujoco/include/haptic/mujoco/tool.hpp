@@ -100,7 +100,7 @@ class Tool {
   /// Runs mj_forward.
   void restart();
 
-  /// Whether the tool follows the probe; false: it is on its way there, see ToolOptions::jump_m.
+  /// True if the tool follows the probe; false: it is on its way there, see ToolOptions::jump_m.
   [[nodiscard]] bool following() const noexcept;
 
  private:

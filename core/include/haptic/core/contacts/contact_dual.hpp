@@ -55,7 +55,7 @@ class ContactDual {
   void begin_at(const Vector& l) noexcept;
   /// From here on that many multiplications may be spent, and once the system at which they end.
   void allow(int multiplications) noexcept { left_ = granted_ = multiplications; }
-  /// What allow() granted last, and what is left of it.
+  /// Multiplications that allow() granted last, and how many are left.
   [[nodiscard]] int spent() const noexcept { return granted_ - left_; }
   [[nodiscard]] int left() const noexcept { return std::max(0, left_); }
 

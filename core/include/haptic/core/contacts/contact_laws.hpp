@@ -76,7 +76,7 @@ class ContactLaws {
   ContactDual::Gram cosine_{};  ///< e_i.e_j of different contacts on one object, else 0
   Vector pushed_{};
 
-  // What is known of the masses:
+  // Knowledge of the masses:
   Vector id_{}, object_{};  ///< 0: none
   Vector told_v_{};         ///< at the sample
   Vector jump_{};           ///< most that a step since then changed l by, times its length

@@ -84,7 +84,8 @@ class PlaneProjection {
   /// Number of calls of project() with one step that cost at most 20 us
   /// (core/METHOD.md#pushed-objects).
   [[nodiscard]] int replayable() const noexcept;
-  /// What the last set() or project() spent. With most_steps = 1 project() spends what was left.
+  /// Multiplications that the last set() or project() spent. With most_steps = 1 project() spends
+  /// what was left.
   [[nodiscard]] int multiplications() const noexcept { return dual_.spent(); }
   [[nodiscard]] int linearisations() const noexcept { return linearisations_; }
   // After the last project():
@@ -135,7 +136,7 @@ class PlaneProjection {
   /// Multipliers that explain the displacement d of the client's own proxy, near those `told`.
   void explain(const VecX& d, const Vector& told, Vector& l) noexcept;
   [[nodiscard]] double shift(const VecX& d, const Vector& l, const Vector& told_beta) noexcept;
-  /// What error() needs of a new sample, before it is anchored.
+  /// Prepares error() for a new sample, before it is anchored.
   void begin_error(const PlaneSet& planes) noexcept;
   [[nodiscard]] double bend(int i) noexcept;
   [[nodiscard]] double unsettled(const VecX& moved) const noexcept;
@@ -158,10 +159,10 @@ class PlaneProjection {
   /// Parts of error(): how far x may be off, and then each contact. `left`: of curved contacts.
   /// False: nothing follows from gaps that are told whole (`whole`) so far off.
   bool proxy_error(double age_error, bool whole, Remainder* left, ProxyError& out) const noexcept;
-  /// What a sample leaves open, per contact i, in ||.||_W: how far x is off because its stiffness
-  /// is uncertain (`slope`) and because other contacts may carry its force (`share`); how far its
-  /// gap may be off (`gap`), and how far x is from touching it (`room`). Only the first `count_`
-  /// entries are written: clearing the four arrays costs as much as all the rest.
+  /// Errors that a sample leaves open, per contact i, in ||.||_W: how far x is off because its
+  /// stiffness is uncertain (`slope`) and because other contacts may carry its force (`share`); how
+  /// far its gap may be off (`gap`), and how far x is from touching it (`room`). Only the first
+  /// `count_` entries are written: clearing the four arrays costs as much as all the rest.
   struct Open {
     double slope[kMaxPlanes], share[kMaxPlanes], gap[kMaxPlanes], room[kMaxPlanes];
     double bent{0.0};  ///< sum of l_i ||H_i||: the share of E that curvature adds, at most

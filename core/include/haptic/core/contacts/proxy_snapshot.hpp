@@ -86,8 +86,8 @@ struct ProxySnapshot {
   ProxyMode mode{ProxyMode::kNone};
   std::uint32_t tenure{0};  ///< of the lease it was accepted under
   std::uint64_t seq{0};
-  /// What its age is counted from: the local arrival, or earlier where a synchronised source time
-  /// says so; never later.
+  /// The time from which its age is counted: the local arrival, or earlier where a synchronised
+  /// source time says so; never later.
   TimePoint born{};
   /// When its contacts were true, by the best estimate of the source's clock; TimePoint{}: not
   /// known, `born` counts. Moves the contacts that have a velocity, at most until hold_end.

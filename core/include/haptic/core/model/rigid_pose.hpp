@@ -26,7 +26,7 @@ struct Pose3 {
   UnitQuaternion orientation{};  ///< normalised when it is read; must not be zero
 };
 
-/// What an output contributes to X.
+/// The coordinates that an output adds to X.
 enum class OutputKind : std::uint8_t {
   kPoint,  ///< 3 coordinates: x, y, z [m]
   kFrame,  ///< 7 coordinates: x, y, z [m], quaternion x, y, z, w

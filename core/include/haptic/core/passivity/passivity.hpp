@@ -69,7 +69,7 @@ class Passivity {
                     const VecA& slew = {}) noexcept;
   /// The controller's force, n_a.
   [[nodiscard]] const VecA& controller() const noexcept { return observer_.tau(); }
-  /// What the device holds until the next tick, after every limit. n_a each.
+  /// Takes the force that the device holds until the next tick, after every limit. n_a each.
   void hold(const VecA& tau_elastic, const VecA& tau_damping) noexcept;
 
   [[nodiscard]] const PassivityRecord& record() const noexcept { return record_; }

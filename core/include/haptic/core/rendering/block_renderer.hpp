@@ -38,7 +38,7 @@ class BlockRenderer {
   /// of Z_q^{-1} J_a^T Z_x J_a for its largest eigenvalue. Idle blocks: 1. Never allocates.
   void displayed_bound(const Probe& probe, const VecX& dx, const VecA& stiffness,
                        VecA& ratio) const noexcept;
-  /// What ForceError knows (n_a) becomes how far the force may be off by this renderer: the rule
+  /// Widens what ForceError knows (n_a) to how far the force may be off by this renderer: the rule
   /// per contact also depends on the contacts. The other arguments: of the last project(); dx = 0
   /// if there was none in this tick. False: nothing is known. Never allocates.
   [[nodiscard]] bool widen(const Probe& probe, const VecX& dx, const VecA& stiffness,

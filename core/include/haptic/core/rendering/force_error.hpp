@@ -1,6 +1,6 @@
 #pragma once
-/// What an error of the proxy is at the actuators (core/METHOD.md#error-bound): by the renderer's
-/// own sensitivity, block by block. Of the rule per contact: of Eq. (8) behind it, which
+/// The error of the proxy, as it is at the actuators (core/METHOD.md#error-bound): by the
+/// renderer's own sensitivity, block by block. Of the rule per contact: of Eq. (8) behind it, which
 /// BlockRenderer::widen() goes on from. Not offered with a prior.
 
 #include <vector>

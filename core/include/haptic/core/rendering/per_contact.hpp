@@ -29,7 +29,7 @@ namespace haptic::core {
 
 /// Calls visit(out, depth, i) for every contact that the probe is inside of, in the coordinates of
 /// `model`: out (n_x) leads out, of length 1 in ||.||_W; i is its number, if the proxy has planes.
-/// What counts as one: ContactView.
+/// ContactView says what counts as a contact.
 template <typename Visit>
 void for_each_contact(const ProjectionModel& model, const ContactView& view, const VecX& dx,
                       bool by_joint, VecX& out, Visit&& visit) {

@@ -1,7 +1,7 @@
 #pragma once
-/// What the prior draws q* to (core/METHOD.md#projection-algorithm, case B): the live q_a, and
-/// q_n^ref, which is q_n at the instant the proxy changed. A live q_n there would make tau_a depend
-/// on q_n, and cycles of q pump energy: 11 to 27 % of the loop's work, as measured.
+/// The pose that the prior draws q* to (core/METHOD.md#projection-algorithm, case B): the live q_a,
+/// and q_n^ref, which is q_n at the instant the proxy changed. A live q_n there would make tau_a
+/// depend on q_n, and cycles of q pump energy: 11 to 27 % of the loop's work, as measured.
 
 #include "haptic/core/rendering/projection_model.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What a renderer is given and what it answers (tests/report/STUDY.md#fig-4-finger_sign_change and
+/// Input and answer of a renderer (tests/report/STUDY.md#fig-4-finger_sign_change and
 /// core/METHOD.md#nonlinear-projection).
 
 #include "haptic/core/contacts/contacts.hpp"

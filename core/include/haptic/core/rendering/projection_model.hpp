@@ -1,6 +1,6 @@
 #pragma once
-/// What the scene fixes about the projection, for all renderers: the map, the metric W_x, and a
-/// prior if J may lose full column rank (core/METHOD.md#projection-algorithm). Case A, without a
+/// The part of the projection that the scene fixes, for all renderers: the map, the metric W_x, and
+/// a prior if J may lose full column rank (core/METHOD.md#projection-algorithm). Case A, without a
 /// prior, or case B, with one, is a property of the scene: a rank decided from tick to tick would
 /// step the force.
 

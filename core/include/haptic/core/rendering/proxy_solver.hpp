@@ -54,7 +54,7 @@ class ProxySolver {  // NOLINT(bugprone-reserved-identifier)
   [[nodiscard]] Point& here() noexcept { return points_[here_]; }
   [[nodiscard]] Point& trial() noexcept { return points_[1 - here_]; }
   [[nodiscard]] ProjectionStatus judge(Step last) noexcept;
-  /// What the whole box spans in X by the Jacobian here, squared.
+  /// Span of the whole box in X by the Jacobian here, squared.
   [[nodiscard]] double span2() noexcept;
 
   ProjectionModel model_;

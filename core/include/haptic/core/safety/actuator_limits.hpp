@@ -1,5 +1,5 @@
 #pragma once
-/// What an actuator can bear beyond its largest force: power, rate, temperature. Each narrows the
+/// Limits of an actuator beyond its largest force: power, rate, temperature. Each narrows the
 /// range in which the force of this tick may lie; none of them ever makes a force grow, and none
 /// takes away a force that brakes. Less force in the direction of motion is less energy given out.
 

@@ -34,8 +34,8 @@ enum class LifecycleState : std::uint8_t {
          state == LifecycleState::kReleasing;
 }
 
-/// What a tick knows when it asks for the next state. Several may hold at once: a fault wins over
-/// everything, the end of force (closing, release, lease) over its loss, loss over progress.
+/// Events that a tick knows when it asks for the next state. Several may hold at once: a fault wins
+/// over everything, the end of force (closing, release, lease) over its loss, loss over progress.
 struct StateEvents {
   bool fault{false};    ///< any fault is latched
   bool closing{false};  ///< SIGTERM was received

@@ -37,8 +37,8 @@ struct StalenessLimits {
 /// nullptr where the limits hold together (0 < fresh_end <= hold_end, fade_end - hold_end >= 50
 /// ms); else what is wrong, to be shown with the values.
 [[nodiscard]] const char* check(const StalenessLimits& limits) noexcept;
-/// What a session wants (if it holds together, else the scene's), with hold_end and fade_end no
-/// later than the scene's.
+/// Limits that a session wants (if they hold together, else the scene's), with hold_end and
+/// fade_end no later than the scene's.
 [[nodiscard]] StalenessLimits tightened(const StalenessLimits& wanted,
                                         const StalenessLimits& scene) noexcept;
 

@@ -18,7 +18,7 @@
 
 namespace haptic::core {
 
-/// What happens when the device gives no sample for longer than its max_silence.
+/// The consequence if the device gives no sample for longer than its max_silence.
 enum class SilencePolicy : std::uint8_t {
   kFault,    ///< hardware: fault DEVICE_SILENT
   kRampOut,  ///< a recording's gap: g falls, and ramps back when samples return

@@ -57,8 +57,8 @@ struct TrackerSnapshot {
   }
 };
 
-/// What people and programs ask of the device. Requests are counters: a tick acts on a counter that
-/// moved, so that none is lost in a newest-wins mailbox and none acts twice.
+/// Requests of people and programs to the device. Requests are counters: a tick acts on a counter
+/// that moved, so that none is lost in a newest-wins mailbox and none acts twice.
 struct CommandSnapshot {
   std::uint32_t tenure{0};  ///< of the lease; rises with every new controller
   bool lease_held{false};
@@ -77,7 +77,7 @@ struct CommandSnapshot {
   }
 };
 
-/// What a running session may change, always within the scene (tighten-only).
+/// Settings that a running session may change, always within the scene (tighten-only).
 struct RenderSettings {
   std::uint64_t id{0};
   RendererKind renderer{RendererKind::kSubspaceLinear};
@@ -95,7 +95,7 @@ struct RenderSettings {
   }
 };
 
-/// What the loop says of itself.
+/// The loop's report of itself.
 struct LoopReport {
   Duration lateness{0};      ///< now minus the deadline of this tick
   std::uint32_t skipped{0};  ///< deadlines passed over since the last tick

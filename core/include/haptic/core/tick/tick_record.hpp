@@ -1,5 +1,5 @@
 #pragma once
-/// What one tick saw and did: its whole input and its whole answer. A run is replayed from these,
+/// Record of one tick: its whole input and its whole answer. A run is replayed from these,
 /// and the two records of a tick must be identical(): members() of a struct lists what is compared.
 
 #include <array>
@@ -189,7 +189,7 @@ struct Lifecycle {
   }
 };
 
-/// What goes to the device, and the anchor behind it.
+/// The force that goes to the device, and the anchor behind it.
 struct Effort {
   VecQ q_star{};       ///< n_q, in use: after envelope or guard, and the energy tank
   VecA tau_elastic{};  ///< g Z_q S (q* - q), saturated, guarded, under the envelope

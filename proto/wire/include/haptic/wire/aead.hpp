@@ -15,7 +15,7 @@ namespace haptic::wire {
 
 using Cipher = std::unique_ptr<evp_cipher_ctx_st, void (*)(evp_cipher_ctx_st*)>;
 
-/// What a direction sends. Not thread-safe.
+/// Seals what a direction sends. Not thread-safe.
 class Sealer {
  public:
   /// Far below what AES-128-GCM allows, far above one session: 12 days at 4 kHz. At half of it the
@@ -47,7 +47,7 @@ struct Opened {
   std::size_t size{0};  ///< of the payload
 };
 
-/// What a direction receives. Not thread-safe.
+/// Opens what a direction receives. Not thread-safe.
 class Opener {
  public:
   Opener(std::uint32_t path_id, const DirectionKey& key);

@@ -58,7 +58,7 @@ class ClockOffset {
     Duration offset{0};
     Duration rtt{0};
   };
-  /// What an exchange proves; none if it cannot be.
+  /// The point that an exchange proves; none if it cannot be.
   [[nodiscard]] static std::optional<Point> proof(const ClockExchange& exchange) noexcept;
   [[nodiscard]] static bool agrees(const Point& point, const Estimate& estimate) noexcept;
   void keep(const Point& point) noexcept;

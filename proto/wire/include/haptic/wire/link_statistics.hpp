@@ -1,5 +1,5 @@
 #pragma once
-/// What one direction of a link is doing, judged by the packet numbers that came
+/// Figures of one direction of a link, judged by the packet numbers that came
 /// (proto/README.md#a-session, GetLinkStats).
 
 #include <array>

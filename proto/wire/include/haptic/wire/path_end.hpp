@@ -22,7 +22,7 @@ struct PathEndSetup {
   std::function<std::uint64_t()> token{random_token};
 };
 
-/// What became of a datagram.
+/// The fate of a datagram.
 struct Received {
   Rejection rejection{Rejection::kNone};
   /// Payload of a PROXY or STATE; lies in the end's own memory until the next call.

@@ -1,5 +1,5 @@
 #pragma once
-/// Whether our direction uses UDP, and to which address: challenge, make-before-break, fallback
+/// Decides if this direction uses UDP, and to which address: challenge, make-before-break, fallback
 /// with back-off, return (proto/README.md#the-udp-path). Both ends run one, each for what it sends;
 /// the stream is the fallback.
 ///
@@ -46,7 +46,7 @@ struct PathRules {
 
 enum class PathState : std::uint8_t { kOff, kProbing, kInUse, kWaiting };
 
-/// What step() or a message changed; for events and metrics.
+/// Change by step() or a message; for events and metrics.
 enum class PathChange : std::uint8_t {
   kNone,
   kUp,       ///< waiting or new -> in use

@@ -1,4 +1,4 @@
-// Whether a scene is for a device, before MuJoCo loads it.
+// Says before MuJoCo loads a scene if it is for a device.
 
 /** The first coordinate of the device that the model has no joint, site or body for, by the names
  * that `byName` of hapticd/mujoco goes by; empty: it fits. */

@@ -80,7 +80,7 @@ function hear(report: Report): void {
 const stopper = new Connection(undefined, { timeoutMs: 1000 });
 new Stop(() => ({ stop: () => stopper.emergencyStop("", "stop on the MuJoCo page") }));
 
-/** What the scene lacks of the device that a session gets; empty: nothing. */
+/** The part of the device that the scene lacks, that that a session gets; empty: nothing. */
 async function lacks(scene: string): Promise<string> {
   const [[device], answer] = await Promise.all(
     [stopper.listDevices(), fetch(new URL(`${scene}.xml`, import.meta.url))]);

@@ -1,8 +1,8 @@
-// What the page and its worker say to each other.
+// Messages between the page and its worker.
 
 import type { DeviceStateName } from "hapticd";
 
-/** What the page says. */
+/** Message of the page. */
 export type Order =
   | { kind: "start"; scene: string; token?: string }
   | { kind: "engage" | "release" | "reset" }
@@ -32,7 +32,7 @@ export interface Timing {
   frames: number;
 }
 
-/** What the worker says. */
+/** Message of the worker. */
 export type Report =
   | { kind: "scene"; device: string; geoms: Geom[]; up: [number, number, number]; motors: Motor[] }
   | {
@@ -45,7 +45,7 @@ export type Report =
       points: Float32Array;
       /** Per contact that presses: where, and the force on the tool, N: 6 numbers. */
       presses: Float32Array;
-      /** What presses, by name; empty: it has none. */
+      /** Name of what presses; empty: it has none. */
       touched: string[];
       state: DeviceStateName;
       /** Why there is no force, although it was asked for; empty: there is, or it was not. */

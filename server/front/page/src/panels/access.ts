@@ -1,4 +1,4 @@
-// What to do without a key: the card "This page needs a key".
+// Help without a key: the card "This page needs a key".
 
 import { at, say } from "../dom";
 

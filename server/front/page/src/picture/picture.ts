@@ -20,7 +20,7 @@ import { PART_DEVICE, PART_TOOL, type Drawing } from "./drawing";
 import { frames } from "./frames";
 import { gridStep, View } from "./view";
 
-/** What the picture shows of a state. */
+/** Part of a state that the picture shows. */
 export interface Pose {
   q: readonly number[];
   qStar: readonly number[];

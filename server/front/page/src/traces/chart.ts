@@ -28,7 +28,7 @@ const LEAST: Record<string, number> = {
   "µs": 50,
 };
 
-/** What may be anywhere; all else begins at 0. */
+/** Units whose scale may begin anywhere; others begin at 0. */
 const WITHOUT_ZERO = ["mm", "°"];
 
 /** A little air above and below; what is never below 0 is not shown below it. */

@@ -76,14 +76,14 @@ export function changeWords(reason: string): string {
 
 const STALENESS = ["", "fresh", "late: the last one is held", "too old: force fades", "lost"];
 
-/** What the server knows of the simulation's proxy. */
+/** The simulation's proxy as the server knows it. */
 export function proxyWords(state: DeviceState): string {
   if (state.proxySeqUsed === 0n) return "No proxy: no simulation sends one.";
   const age = number(Number(state.proxyAgeUs) * 1e-3, 1);
   return `Proxy is ${STALENESS[state.staleness] ?? ""}, ${age} ms old.`;
 }
 
-/** What the tool touches. */
+/** Things that the tool touches. */
 export function contactWords(state: DeviceState): string {
   if (state.proxySeqUsed === 0n) return "Nothing: no simulation is connected.";
   switch (state.mode) {

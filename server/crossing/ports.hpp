@@ -27,9 +27,6 @@ struct DeviceFacts {
   /// `loop_late_fault` have their defaults there.
   const core::PipelineConfig* config{nullptr};
   core::Duration lease_timeout{};
-  /// Softness of the coupling metric that states carry (core/METHOD.md#anisotropic-coupling);
-  /// absent: they carry none.
-  std::optional<double> coupling_softness{};
 };
 
 /// A front, as the owner calls it. Nothing here may block.

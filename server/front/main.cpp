@@ -47,8 +47,7 @@ std::vector<DeviceFacts> facts_of(const Scene& scene, const std::string& descrip
   std::vector<DeviceFacts> facts;
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const DeviceScene& device = scene.devices[i];
-    facts.push_back({device.name, devices[i], &device.pipeline, scene.server.lease_timeout,
-                     device.coupling_softness});
+    facts.push_back({device.name, devices[i], &device.pipeline, scene.server.lease_timeout});
   }
   return facts;
 }

@@ -118,13 +118,12 @@ void App::listen_to_devices() {
   for (std::size_t i = 0; i < units_.size(); ++i) {
     const DeviceScene& device = scene_.devices[i];
     owner_->add(*units_[i], SessionRules{scene_.server.lease_timeout, device.fresh_end,
-                                         device.tracker_fresh_end, device.coupling_softness});
+                                         device.tracker_fresh_end});
     if (!scene_.record) continue;
     const NewFile file = create_file(record_file(scene_, i), scene_.record->overwrite);
     spdlog::info("{}: recorded in {}", device.name, file.path.string());
     recorders_.push_back(std::make_unique<Recorder>(
         file, device.pipeline.kinematics, comparison(*scene_.record, device),
-        StateMessage(units_[i]->config(), device.coupling_softness),
         [this, i](const core::TickRecord& /*record*/) { return owner_->newest(i); }));
     telemetry_->add(i, recorders_.back().get());
   }

@@ -96,7 +96,6 @@ TEST(State, CarriesEveryFieldOfTheProtocol) {
 TEST(State, AbsentMessagesStayAbsent) {
   const DeviceState state = to_state({});
   EXPECT_FALSE(state.passivity || state.tracker || state.certificate);
-  EXPECT_TRUE(state.coupling_metric.empty());
 }
 
 TEST(State, TellsPosesAgeAndCertificate) {
@@ -111,35 +110,6 @@ TEST(State, TellsPosesAgeAndCertificate) {
   using Pose = TrackerState;
   EXPECT_EQ(*state.tracker, (Pose{12, std::chrono::microseconds(3400), Staleness::kHold}));
   EXPECT_EQ(*state.certificate, (CertificateState{1, 0.75, 2}));
-}
-
-/// client/README.md, "Where the device can push": x = x_probe - W^{-1} n d / (n . W^{-1} n).
-std::vector<double> onto_plane(const std::vector<double>& W, const std::vector<double>& x,
-                               const std::vector<double>& n, double offset) {
-  const double d = n[0] * x[0] + n[1] * x[1] - offset;
-  const double along[2] = {W[2] * n[0] - W[1] * n[1], W[0] * n[1] - W[1] * n[0]};  // W^{-1} n det W
-  const double scale = d / (n[0] * along[0] + n[1] * along[1]);
-  return {x[0] - along[0] * scale, x[1] - along[1] * scale};
-}
-
-TEST(State, CouplingMetricProjectsOntoAPlane) {
-  v1::DeviceState message;
-  v1::CouplingBlock& block = *message.add_coupling_metric();
-  block.set_coordinates(2);
-  for (const double w : {2.0, 1.0, 3.0}) block.add_lower(w);
-  const DeviceState state = to_state(message);
-  EXPECT_EQ(state.coupling_metric.at(0).coordinates, 2U);
-  const std::vector<double>& W = state.coupling_metric.at(0).lower;
-  ASSERT_EQ(W.size(), 3U);
-  const std::vector<double> x = onto_plane(W, {0.1, 0.2}, {1.0, 0.0}, 0.0);
-  EXPECT_NEAR(x[0], 0.0, 1e-15);
-  EXPECT_NEAR(x[1], 0.2 + 0.1 / 3.0, 1e-15);  // W^{-1} n = (3, -1) / 5
-  const auto cost = [&W](double a, double b) {
-    return W[0] * a * a + 2 * W[1] * a * b + W[2] * b * b;
-  };
-  for (const double aside : {-1e-3, 1e-3}) {
-    EXPECT_LT(cost(x[0] - 0.1, x[1] - 0.2), cost(x[0] - 0.1, x[1] + aside - 0.2));
-  }
 }
 
 TEST(StateFields, MatchTheProtocolInOrder) {

@@ -30,9 +30,6 @@ v1::DeviceState full_message() {
   message.mutable_passivity();
   message.mutable_tracker()->set_seq_used(7);
   message.mutable_certificate();
-  v1::CouplingBlock& block = *message.add_coupling_metric();
-  block.set_coordinates(2);
-  for (const double value : {1.0, 0.5, 2.0}) block.add_lower(value);
   message.add_actuator_limiters(6);
   for (auto* actuated :
        {message.mutable_q_dot(), message.mutable_tau_a(), message.mutable_tau_elastic()}) {
@@ -122,7 +119,6 @@ TEST(JsonLine, HasEveryFieldOfAState) {
   }
   EXPECT_EQ(json["q"], (nlohmann::json{0.125, -2.5}));
   EXPECT_EQ(json["actuator_limiters"], nlohmann::json::parse(R"([["SLEW", "ENVELOPE"]])"));
-  EXPECT_EQ(json["coupling_metric"][0]["lower"], (nlohmann::json{1.0, 0.5, 2.0}));
   EXPECT_EQ(json["mode"], "FREE");
 }
 

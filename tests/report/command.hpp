@@ -18,7 +18,6 @@ void add_radius(CLI::App& app);
 void add_finger(CLI::App& app);
 void add_felt(CLI::App& app);
 void add_closed_loop(CLI::App& app);
-void add_coupling(CLI::App& app);
 void add_press(CLI::App& app);
 void add_rate(CLI::App& app);
 void add_rtt(CLI::App& app);

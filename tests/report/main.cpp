@@ -26,7 +26,6 @@ int main(int argc, char** argv) {
   haptic::report::add_radius(app);
   haptic::report::add_finger(app);
   haptic::report::add_closed_loop(app);
-  haptic::report::add_coupling(app);
   haptic::report::add_press(app);
   haptic::report::add_rate(app);
   haptic::report::add_rtt(app);

@@ -115,43 +115,6 @@ near subspace_linear,1 5.5 0.2
 near subspace_linear,5 8.0 0.2
 near subspace_linear,50 18.0 0.2
 
-# core/METHOD.md#anisotropic-coupling by 2 x 2 algebra, with the finger's J at (30,30), for a press
-# that is small: tau_a = -c s, c = Z_q w.g / n.g, g = W^{-1} n; s = meant / (1 + c w.n / K_h) at
-# rest. Of the coupling metric c = a / (a^2/Z_q + b^2/D_n), a, b = J_a.n, J_n.n.
-header "pose_mcp_deg,pose_pip_deg,stop,stiffness_n_per_m,penetration_deg,metric,softness,tau_full_n,tau_n,\
-force_error,end_full_deg,end_deg,verdict" coupling --pose 30,30 --penetration 1 --stiffness 1500
-csv=$(report coupling --pose 30,30 --penetration 0.02 --stiffness 1500 | cut -d, -f1-6,9)
-law() {  # law STOP EPS: tau_a in N; EPS 0: W = I
-  awk -v stop="$1" -v eps="$2" \
-    'BEGIN { J11 = -47.670; J12 = -1.424; J21 = 78.460; J22 = 0.484; Z = 1500; K = 0.6
-    det = J11 * J22 - J12 * J21; w = stop == "mcp" ? J22 / det : -J12 / det
-    a = stop == "mcp" ? J11 : J21; b = stop == "mcp" ? J12 : J22
-    D = eps * Z * (J12 ^ 2 + J22 ^ 2) / (J11 ^ 2 + J21 ^ 2)
-    c = eps > 0 ? a / (a ^ 2 / Z + b ^ 2 / D) : Z * w
-    print -c * 0.02 * 3.14159265358979 / 180 / (1 + c * w / K) }'
-}
-for stop in mcp pip; do
-  for eps in 0 1 0.1 0.01; do
-    name=identity
-    [ "$eps" = 0 ] || name=eps_$eps
-    want=$(law $stop $eps)
-    near "30,30,$stop,1500,0.02,$name" "$want" "$(awk "BEGIN { print 0.02 * ${want#-} }")"
-  done
-done
-# What index.md says of it: W = I never pulls in, eps = 1 does on an MCP stop but in the corner, and
-# force falls with eps.
-report coupling | awk -F, 'NR > 1 {
-    if ($6 == "identity" && ($13 == "pulls in" ||
-      $13 ~ /^leaves/)) bad = bad " identity pulls in: " $0 "\n"
-    if ($6 == "eps_1" && $3 == "mcp" && $1 != 10 &&
-      $13 != "pulls in") bad = bad " eps 1 is good on an MCP stop: " $0 "\n"
-    force = $9 < 0 ? -$9 : $9
-    if ($6 != "identity" && $6 != "eps_1" && $13 !~ /^leaves/ && last != "nan" &&
-      force >= last) bad = bad " rises: " $0 "\n"
-    last = $13 ~ /^leaves/ ? "nan" : force; rows++ }
-  END { if (rows != 600) bad = bad " rows " rows; printf "%s", bad; exit bad != "" }' ||
-    fail "coupling: see above"
-
 # tests/report/STUDY.md#chosen-presses-finger_sign_change: the end state of each row and the energy
 # put into the finger.
 header "method,stop_mcp_deg,stop_pip_deg,target_mcp_deg,target_pip_deg,stiffness_n_per_m,end_mcp_deg,\

@@ -4,7 +4,7 @@
 #
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
 #
-#   part           linkage fig4 recordings scan radius claims finger press coupling
+#   part           linkage fig4 recordings scan radius claims finger press
 #                  closed_loop rate felt rtt scaling work_precision; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
@@ -27,7 +27,7 @@ while (($#)); do
   esac
 done
 ((${#parts[@]})) ||
-  parts=(linkage fig4 recordings scan radius claims finger press coupling closed_loop rate felt
+  parts=(linkage fig4 recordings scan radius claims finger press closed_loop rate felt
     rtt scaling work_precision)
 
 if [[ -z $programs ]]; then
@@ -284,24 +284,6 @@ make_closed_loop() {
     "csv='$output/closed_loop.csv'; trace='$output/closed_loop_trace.csv'"
   draw closed_loop_clients closed_loop_clients "csv='$output/closed_loop.csv'"
   closed_loop_tables
-}
-make_coupling() {
-  csv coupling coupling
-  draw coupling coupling "csv='$output/coupling.csv'"
-  # The median error and the mean depth over poses, penetrations and stiffnesses.
-  (cd "$output" &&
-    awk -F, 'NR > 1 { print $3 "," $6 "," $10 "," $12 / $5 "," $13 }' coupling.csv |
-      sort -t, -k1,2 -k3,3g |
-    awk -F, -v OFS=, 'function close_group() {
-        if (n) print stop, metric, n, error[int((n + 1) / 2)], 100 * depth / stays, in_ + 0,
-          opposite + 0, leaves + 0 }
-      BEGIN { print "stop", "metric", "presses", "median_force_error", "mean_depth_pct_of_meant",
-        "pulled_in", "opposite_sign", "left_the_workspace" }
-      $1 != stop || $2 != metric { close_group(); stop = $1; metric = $2;
-        n = depth = stays = in_ = opposite = leaves = 0 }
-      { error[++n] = $3; in_ += $5 == "pulls in"; opposite += $5 == "opposite sign"
-        if ($5 ~ /^leaves/) leaves++; else { depth += $4; stays++ } }
-      END { close_group() }' >coupling_table.csv)
 }
 make_rate() {
   csv rate rate

@@ -30,7 +30,6 @@ from ._ports import DEFAULT_SERVER
 from ._session import Session
 from ._state import (
     CertificateState,
-    CouplingBlock,
     DeviceState,
     PassivityState,
     TrackerState,
@@ -56,7 +55,7 @@ from ._version import __version__
 
 __all__ = [
     "DEFAULT_SERVER", "FASTEST_POINT", "FREE", "Carriers", "CertificateState", "ClientError",
-    "Connection", "Coordinate", "CouplingBlock", "DegreeOfFreedom", "Device", "DeviceState",
+    "Connection", "Coordinate", "DegreeOfFreedom", "Device", "DeviceState",
     "Event", "JointAxis", "PassivityState", "Plane", "PointMap", "Pose", "Proxy", "SampleCounts",
     "ServerInfo", "Session", "Settings", "TrackerState", "__version__", "behind", "contact",
     "contact_at", "contact_horizon", "cylinder_curvature", "held", "point_itself",

@@ -14,9 +14,6 @@ void WatchBudget::refill(core::TimePoint now) noexcept {
   started_ = true;
 }
 
-Broadcaster::Broadcaster(WatchBudget budget, const DeviceFacts& device)
-    : budget_(budget), frame_(StateMessage(*device.config, device.coupling_softness)) {}
-
 void Broadcaster::add(std::shared_ptr<Subscriber> subscriber, std::uint32_t tenure) {
   const std::lock_guard lock(mutex_);
   entries_.push_back({tenure, std::move(subscriber)});

@@ -41,7 +41,7 @@ class Subscriber {
 
 class Broadcaster {
  public:
-  Broadcaster(WatchBudget budget, const DeviceFacts& device);
+  explicit Broadcaster(WatchBudget budget) : budget_(budget) {}
 
   /// The stream of lease `tenure` comes first while that lease lasts, and is one of the others when
   /// it has ended; 0: one of the others from the beginning. Any thread, but not from offer(). After

@@ -110,7 +110,7 @@ ServiceContext::ServiceContext(ServiceConfig service_config, OwnerPort& owner,
   const auto n = std::max<std::size_t>(owner.devices().size(), 1);
   const WatchBudget share(config.watch_budget_hz / static_cast<double>(n));
   for (const DeviceFacts& device : owner.devices()) {
-    broadcasters.push_back(std::make_unique<Broadcaster>(share, device));
+    broadcasters.push_back(std::make_unique<Broadcaster>(share));
   }
 }
 

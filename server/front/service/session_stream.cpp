@@ -142,7 +142,7 @@ void SessionStream::offer_udp(v1::SessionOpened& message) {
     return;
   }
   const DeviceFacts& facts = context_.facts(session_->device());
-  const std::size_t largest = largest_state(*facts.config, facts.coupling_softness.has_value());
+  const std::size_t largest = largest_state(*facts.config);
   if (largest > wire::kLargestPayload) {
     message.set_udp_refused("a state of this device has up to " + std::to_string(largest) +
                             " bytes: a datagram carries " + std::to_string(wire::kLargestPayload));

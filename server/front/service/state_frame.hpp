@@ -28,8 +28,6 @@ struct Outgoing {
 /// One thread, the telemetry drain's.
 class StateFrame {
  public:
-  StateFrame() = default;
-  explicit StateFrame(StateMessage message) : message_(std::move(message)) {}
   /// A new state; nothing is serialised before a stream asks. `state` must outlive the use.
   void begin(const StateRecord& state) noexcept;
   /// SessionResponse { state }.

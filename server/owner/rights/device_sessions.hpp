@@ -30,7 +30,6 @@ struct SessionRules {
   /// The scene's bound on every lease's fresh_end; absent: 2.5 nominal periods of the client.
   std::optional<core::Duration> fresh_end{};
   std::optional<core::Duration> tracker_fresh_end{};  ///< the same for a tracker's poses
-  std::optional<double> coupling_softness{};          ///< DeviceFacts
 };
 
 /// Output of a call of DeviceSessions, each in the order in which it happened.

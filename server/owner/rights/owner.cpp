@@ -83,8 +83,7 @@ void Owner::add(DeviceUnit& unit, const SessionRules& rules,
     description = std::make_shared<const v1::Device>(
         describe(unit.name(), unit.device().info(), unit.config()));
   }
-  facts_.push_back({unit.name(), std::move(description), &unit.config(), rules.lease_timeout,
-                    rules.coupling_softness});
+  facts_.push_back({unit.name(), std::move(description), &unit.config(), rules.lease_timeout});
   devices_.push_back(std::make_unique<Device>(*this, devices_.size(), unit, rules));
 }
 

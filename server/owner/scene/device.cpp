@@ -55,13 +55,6 @@ std::vector<core::ActuatorRatings> read_ratings(const Part<v1::LimitsScene>& par
   return ratings;
 }
 
-double read_coupling_metric(const Fields& part) {
-  double softness = 0.01;  // core/METHOD.md#anisotropic-coupling
-  part.numbers({{"softness", &softness, Allowed::kPositive}});
-  if (softness > 1.0) part.wrong("softness", decimal(softness), "must be at most 1");
-  return softness;
-}
-
 /// The tracker gives the pose of the palm: needs a kinematics that has one.
 void read_tracker(const Part<v1::StalenessScene>& part, DeviceScene& device) {
   core::TrackerSettings tracker;
@@ -109,10 +102,6 @@ DeviceScene read_device(const Part<v1::DeviceScene>& part) {
   if (part->has_passivity_certificate() && part->has_prior()) {
     part.wrong("passivity_certificate", "{}",
                "must be absent where there is a prior: it speaks of Eq. (8) without one");
-  }
-  if (part->has_coupling_metric()) {
-    device.coupling_softness =
-        read_coupling_metric(part.part<v1::CouplingMetricScene>("coupling_metric"));
   }
   return device;
 }

@@ -6,6 +6,7 @@
 
 #include "haptic/core/error.hpp"
 #include "server/owner/scene/problems.hpp"
+#include "server/owner/scene/removed.hpp"
 #include "server/owner/scene/text.hpp"
 
 namespace haptic::server {
@@ -41,6 +42,7 @@ const FieldDescriptor& find(const Message& message, const FieldStep& step) {
   const google::protobuf::Descriptor& type = *message.GetDescriptor();
   const FieldDescriptor* field = type.FindFieldByName(step.name);
   if (field == nullptr) {
+    if (const std::string advice = removed_field(step.name); !advice.empty()) refuse(advice);
     refuse("'" + step.name + "': no such field; there are: " + fields_of(type, step.name));
   }
   if (step.index < 0) return *field;

@@ -30,9 +30,6 @@ struct DeviceScene {
   /// Complete but for `device` and `loop_late_fault`, which are known when the device is open.
   core::PipelineConfig pipeline{};
   ForceControlPlace force_control{ForceControlPlace::kAny};
-  /// eps of the coupling metric that states carry (core/METHOD.md#anisotropic-coupling); absent: no
-  /// metric.
-  std::optional<double> coupling_softness{};
   /// Upper bounds on fresh_end of the proxy and of the tracker's pose; absent: 2.5 nominal periods
   /// of the client.
   std::optional<core::Duration> fresh_end{}, tracker_fresh_end{};

@@ -1,15 +1,18 @@
 #include "server/owner/scene/text.hpp"
 
 #include <google/protobuf/io/tokenizer.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
 #include <algorithm>
 #include <optional>
 
 #include "haptic/core/error.hpp"
+#include "server/owner/scene/removed.hpp"
 
 namespace haptic::server {
 namespace {
 
+namespace io = google::protobuf::io;
 using google::protobuf::TextFormat;
 
 struct UnknownField {
@@ -55,25 +58,24 @@ std::string line_and_column(const std::string& text, std::size_t offset) {
   return std::to_string(lines + 1) + ":" + std::to_string(offset - start + 1);
 }
 
+/// Leaves the errors of a text to its parser.
+struct Unheard final : io::ErrorCollector {
+  void AddError(int /*line*/, int /*column*/, const std::string& /*message*/) override {}
+};
+
 /// protobuf's errors in a text, with our positions.
-class Collector final : public google::protobuf::io::ErrorCollector {
+class Collector final : public io::ErrorCollector {
  public:
   Collector(const std::string& text, const std::string& name) : text_(text), name_(name) {}
 
   void AddError(int line, int column, const std::string& message) override {
-    if (errors.size() + unknown_fields.size() >= Problems::kMostTold) {
-      ++untold;  // to find its place takes as long as the text is
-      return;
-    }
+    if (full()) return;
     errors.push_back(at(offset_of(text_, line, column)) + explained(message));
   }
   /// Unknown fields: the parser skips them, so that all are found. It warns after it has read the
   /// token behind the name, so the name is searched backwards.
   void AddWarning(int line, int column, const std::string& message) override {
-    if (unknown_fields.size() >= Problems::kMostTold) {
-      ++untold;
-      return;
-    }
+    if (full()) return;
     std::size_t offset = offset_of(text_, line, column);
     if (const auto unknown = unknown_field(message); unknown && offset > 0) {
       const std::size_t name = text_.rfind(unknown->name, offset - 1);
@@ -81,12 +83,32 @@ class Collector final : public google::protobuf::io::ErrorCollector {
     }
     unknown_fields.push_back(at(offset) + explained(message));
   }
+  /// Adds the removed fields to the unknown ones: the parser skips them too, without a warning.
+  void find_removed_fields() {
+    io::ArrayInputStream stream(text_.data(), static_cast<int>(text_.size()));
+    Unheard unheard;
+    io::Tokenizer tokenizer(&stream, &unheard);
+    tokenizer.set_comment_style(io::Tokenizer::SH_COMMENT_STYLE);
+    while (tokenizer.Next()) {
+      const io::Tokenizer::Token& token = tokenizer.current();
+      if (token.type != io::Tokenizer::TYPE_IDENTIFIER) continue;
+      const std::string advice = removed_field(token.text);
+      if (advice.empty() || full()) continue;
+      unknown_fields.push_back(at(offset_of(text_, token.line, token.column)) + advice);
+    }
+  }
 
   std::vector<std::string> errors{};
   std::vector<std::string> unknown_fields{};
   std::size_t untold{0};
 
  private:
+  /// As many are told as a reader may want; to find the place of one takes as long as the text is.
+  [[nodiscard]] bool full() {
+    if (errors.size() + unknown_fields.size() < Problems::kMostTold) return false;
+    ++untold;
+    return true;
+  }
   [[nodiscard]] std::string at(std::size_t offset) const {
     return name_ + ":" + line_and_column(text_, offset) + ": ";
   }
@@ -150,6 +172,7 @@ void parse_text(const std::string& text, const std::string& name, v1::Scene& mes
   parser.AllowUnknownField(true);
   parser.SetRecursionLimit(kDeepestNesting);
   const bool parsed = parser.ParseFromString(text, &message);
+  collector.find_removed_fields();
   for (std::string& line : collector.unknown_fields) problems.add(std::move(line));
   for (std::string& line : collector.errors) problems.add(std::move(line));
   problems.add_untold(collector.untold);
@@ -164,9 +187,11 @@ std::string parse_fragment(const std::string& text, google::protobuf::Message& m
   TextFormat::Parser parser;
   parser.RecordErrorsTo(&collector);
   parser.SetRecursionLimit(kDeepestNesting);
-  if (parser.ParseFromString(text, &message)) return {};
-  if (collector.errors.empty()) return "is no textproto";
-  const std::string& first = collector.errors.front();
+  const bool parsed = parser.ParseFromString(text, &message);
+  collector.find_removed_fields();
+  const auto& wrong = parsed ? collector.unknown_fields : collector.errors;
+  if (wrong.empty()) return parsed ? "" : "is no textproto";
+  const std::string& first = wrong.front();
   return first.substr(first.find(": ") + 2);  // without the position within the value
 }
 

@@ -121,12 +121,10 @@ std::string Recorder::header(const core::Kinematics& kinematics, bool compare) {
 }
 
 Recorder::Recorder(const NewFile& file, std::shared_ptr<const core::Kinematics> kinematics,
-                   std::unique_ptr<RendererComparison> comparison, StateMessage message,
-                   StateOf state_of)
+                   std::unique_ptr<RendererComparison> comparison, StateOf state_of)
     : labels_(labels_of(*kinematics)),
       leaves_(schema::leaves(*v1::DeviceState::descriptor())),
       comparison_(std::move(comparison)),
-      message_(std::move(message)),
       state_of_(std::move(state_of)),
       kinematics_(std::move(kinematics)),
       file_(file) {

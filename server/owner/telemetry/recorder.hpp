@@ -43,8 +43,7 @@ class Recorder final : public RecordListener {
   /// Takes `file` over. `comparison` absent: no columns of the other renderers. `state_of` absent:
   /// states without carrier and lease.
   Recorder(const NewFile& file, std::shared_ptr<const core::Kinematics> kinematics,
-           std::unique_ptr<RendererComparison> comparison = nullptr, StateMessage message = {},
-           StateOf state_of = {});
+           std::unique_ptr<RendererComparison> comparison = nullptr, StateOf state_of = {});
   /// Writes what is left and closes. The recorder must have been removed from the telemetry.
   ~Recorder() override;
   Recorder(const Recorder&) = delete;
@@ -68,9 +67,9 @@ class Recorder final : public RecordListener {
   const schema::Labels labels_;
   const std::vector<schema::Leaf> leaves_;
   const std::unique_ptr<RendererComparison> comparison_;
-  StateMessage message_;
+  StateMessage message_{};
   const StateOf state_of_;
-  const std::shared_ptr<const core::Kinematics> kinematics_;  ///< of comparison and message
+  const std::shared_ptr<const core::Kinematics> kinematics_;  ///< of comparison
   BackgroundFile file_;
   std::string row_;  ///< kept for its capacity
   std::uint64_t rows_{0};

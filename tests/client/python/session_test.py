@@ -36,11 +36,10 @@ class WithoutDiagnostics(OneServer):
     def test_other_scenes_have_none(self) -> None:
         state = self.open().wait_for_state()
         self.assertIsNone(state.certificate)
-        self.assertEqual(state.coupling_metric, ())
 
 
 class Diagnostics(OneServer):
-    settings = ("device[0].passivity_certificate={}", "device[0].coupling_metric={softness: 0.1}")
+    settings = ("device[0].passivity_certificate={}",)
 
     def test_a_displaced_proxy_has_a_certificate(self) -> None:
         session = self.open()
@@ -54,13 +53,6 @@ class Diagnostics(OneServer):
                 break
         self.assertEqual((certificate.status, certificate.block), ("COMPUTED", 0))
         self.assertNotEqual(certificate.margin, 1.0)
-
-    def test_the_coupling_metric_is_definite(self) -> None:
-        block, = self.open().wait_for_state().coupling_metric
-        self.assertEqual(block.coordinates, 2)
-        w00, w10, w11 = block.lower
-        self.assertGreater(w00, 0.0)
-        self.assertGreater(w00 * w11 - w10 * w10, 0.0)
 
 
 class Force(OneServer):

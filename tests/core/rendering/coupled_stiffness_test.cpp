@@ -9,7 +9,6 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/hand_exoskeleton.hpp"
 #include "haptic/core/model/stylus.hpp"
-#include "haptic/core/rendering/coupling_metric.hpp"
 #include "haptic/core/rendering/linear_certificate.hpp"
 #include "haptic/core/rendering/renderer.hpp"
 #include "tests/core/linear/random_matrix.hpp"
@@ -202,22 +201,6 @@ TEST(CoupledImpedance, IsTheDerivativeOfTheForce) {
       EXPECT_LT(((tau(up) - tau(down)) / (2 * h) - exact.col(k)).norm(), 1e-6 * exact.norm());
     }
     EXPECT_LT((gain * VectorXd(at.dx) - tau(at.q)).norm(), 1e-9 * Z.norm()) << "linear in dx";
-  }
-}
-
-/// core/METHOD.md#anisotropic-coupling: on the actuated DoFs W costs what the spring stores, twice.
-TEST(CoupledMetric, WeighsActuatedDofsByWholeZq) {
-  const auto map = make_stylus({}, marks());
-  std::mt19937_64 random(9);
-  for (int i = 0; i < 20; ++i) {
-    const MatrixXd Z = random_stiffness(random);
-    const StiffnessCoupling coupling(Z);
-    const Pose at = pose(*map, i, 0.01, random);
-    const auto W = coupling_metric(*map, {}, at.q, coupling.scene_stiffness(), 0.05, &coupling);
-    ASSERT_TRUE(W);
-    const MatrixXd in_q = oracle::product(oracle::product(MatrixXd(at.J.transpose()), *W), at.J);
-    EXPECT_LT((in_q.topLeftCorner(3, 3) - Z).norm(), 1e-6 * Z.norm());
-    EXPECT_LT(in_q.topRightCorner(3, 3).norm(), 1e-6 * Z.norm());
   }
 }
 

@@ -11,11 +11,11 @@
 #include <memory>
 #include <optional>
 
-#include "haptic/core/linear/full_column_rank.hpp"
 #include "haptic/core/linear/stiffness_coupling.hpp"
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/rendering/renderer_kind.hpp"
 #include "haptic/core/types.hpp"
+#include "tests/report/analysis/full_column_rank.hpp"
 
 namespace haptic::core {
 

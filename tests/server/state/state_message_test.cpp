@@ -46,8 +46,7 @@ core::TickRecord full_record() {
 }
 
 TEST(StateMessage, SetsEveryField) {
-  const core::PipelineConfig config = test::rig_config();
-  StateMessage message(config, 0.1);
+  StateMessage message;
   core::TickRecord tracked;
   tracked.sensed.tracker = {true, 0, 1, core::Staleness::kFresh, std::chrono::milliseconds(1)};
   tracked.sensed.q = tracked.input.device.sample.q = VecQ::Zero(6);

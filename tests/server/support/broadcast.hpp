@@ -8,11 +8,10 @@
 namespace haptic::test {
 
 struct Broadcast final : server::FrontPort {
-  Broadcast(server::OwnerPort& owner, server::WatchBudget budget)
-      : broadcaster(budget, owner.devices().front()) {}
+  explicit Broadcast(server::WatchBudget budget) : broadcaster(budget) {}
 
   static std::shared_ptr<Broadcast> of(server::OwnerPort& owner, double states_per_second) {
-    auto made = std::make_shared<Broadcast>(owner, server::WatchBudget(states_per_second));
+    auto made = std::make_shared<Broadcast>(server::WatchBudget(states_per_second));
     owner.connect(made);
     return made;
   }

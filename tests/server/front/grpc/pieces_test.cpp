@@ -169,48 +169,11 @@ TEST(StateFrame, CertificateIsPresentIfConfigured) {
   EXPECT_FALSE(state.has_certificate());
 }
 
-/// For a square J the metric reads J^T W J = diag(Z_q, eps k_x ||J_n||^2) (coupling_metric.hpp).
-TEST(StateFrame, MetricUsesTheTicksPose) {
-  const std::shared_ptr<const core::Kinematics> finger = core::make_finger_exoskeleton({});
-  StateRecord r = record();
-  const core::VecQ q = (core::VecQ(2) << 0.016, -0.26).finished();
-  r.q = {q.data(), 2};
-  r.stiffness = {900.0};
-  core::PipelineConfig config{.kinematics = finger};
-  StateFrame frame(StateMessage(config, 0.1));
-  const auto state_of = [&frame](const StateRecord& tick) {
-    frame.begin(tick);
-    const auto bytes = frame.for_datagram();
-    v1::DeviceState state;
-    EXPECT_TRUE(state.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())));
-    return state;
-  };
-  const v1::DeviceState state = state_of(r);
-  ASSERT_EQ(state.coupling_metric_size(), 1);
-  EXPECT_EQ(state.coupling_metric(0).coordinates(), 2U);
-  ASSERT_EQ(state.coupling_metric(0).lower_size(), 3);
-  const auto& w = state.coupling_metric(0).lower();
-  core::VecX x_probe;
-  core::MatXQ J;
-  ASSERT_EQ(finger->evaluate(q, x_probe, J), core::MapStatus::kOk);
-  const auto cost = [&](int a, int b) {
-    return J(0, a) * (w[0] * J(0, b) + w[1] * J(1, b)) +
-           J(1, a) * (w[1] * J(0, b) + w[2] * J(1, b));
-  };
-  EXPECT_NEAR(cost(0, 0), 900.0, 1e-6);
-  EXPECT_NEAR(cost(0, 1), 0.0, 1e-6);
-  EXPECT_NEAR(cost(1, 1), 0.1 * 900.0 * J.col(1).squaredNorm() / J.col(0).squaredNorm(), 1e-6);
-  r.q = {};  // no sample of the device yet
-  EXPECT_EQ(state_of(r).coupling_metric(0).lower_size(), 0);
-}
-
-TEST(LargestState, HandsMetricFitsPalmsDoesNot) {
+TEST(LargestState, HandsFitADatagram) {
   core::PipelineConfig config{
       .kinematics = core::make_hand_exoskeleton(
           {{"thumb", {}}, {"index", {}}, {"middle", {}}, {"ring", {}}, {"little", {}}})};
-  const std::size_t plain = largest_state(config), coupled = largest_state(config, true);
-  EXPECT_GT(coupled, plain + 5 * 3 * 8);
-  EXPECT_LE(coupled, wire::kLargestPayload);
+  EXPECT_LE(largest_state(config), wire::kLargestPayload);
   core::TrackedHandParameters hand;
   for (const char* name : {"index", "middle", "ring", "little"}) {
     hand.fingers.push_back({{name, {}}, {}});
@@ -222,9 +185,8 @@ TEST(LargestState, HandsMetricFitsPalmsDoesNot) {
                               {{0.03, 0.0, 0.0}, {}}});
     }
   }
-  config.kinematics = core::make_tracked_hand(hand);  // 24 coordinates in one block: 300 numbers
+  config.kinematics = core::make_tracked_hand(hand);
   EXPECT_LE(largest_state(config), wire::kLargestPayload);
-  EXPECT_GT(largest_state(config, true), wire::kLargestPayload);
 }
 
 TEST(Messages, ASampleKeepsTheWiresCounts) {

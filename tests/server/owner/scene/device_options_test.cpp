@@ -40,10 +40,9 @@ TEST(DeviceOptions, AbsentMeansOff) {
   EXPECT_FALSE(pipeline.passivity.observer.enabled);
   EXPECT_FALSE(pipeline.monotone_envelope);
   EXPECT_FALSE(pipeline.passivity_certificate);
-  EXPECT_FALSE(scene.devices[0].coupling_softness.has_value());
   EXPECT_TRUE(pipeline.ratings.empty());
   EXPECT_FALSE(pipeline.tracker.has_value());
-  for (const char* field : {"observer", "certificate", "coupling", " power_w", "tracker"}) {
+  for (const char* field : {"observer", "certificate", " power_w", "tracker"}) {
     EXPECT_EQ(scene.resolved.find(field), std::string::npos) << field;
   }
 }
@@ -176,12 +175,9 @@ device {
 }
 
 TEST(DiagnosticsScene, PresenceSelects) {
-  const server::Scene scene =
-      parse(with_option(kFinger, "passivity_certificate {} coupling_metric { softness: 0.2 }"));
-  EXPECT_EQ(scene.devices[0].coupling_softness, 0.2);
+  const server::Scene scene = parse(with_option(kFinger, "passivity_certificate {}"));
   EXPECT_TRUE(server::pipeline_config(scene.devices[0], {}).passivity_certificate);
   expect_resolved(scene, "passivity_certificate");
-  expect_resolved(parse(with_option(kFinger, "coupling_metric {}")), "softness: 0.01");
 }
 
 TEST(TrackerScene, ItsDofsAreThePalms) {
@@ -231,11 +227,6 @@ TEST(DeviceOptions, ErrorsNamePlaceValueAndRule) {
        "device[0].limits.thermal[0].derate_from_c = 105: must be"},
       {"two motors", with_limits(kThermal + "} " + kThermal + "}"),
        "device[0].limits.thermal = 2 of them: must be one per"},
-      {"no softness", finger("coupling_metric { softness: 0 }"), "softness = 0: must be > 0"},
-      {"negative softness", finger("coupling_metric { softness: -0.1 }"), "must be > 0"},
-      {"softness nan", finger("coupling_metric { softness: nan }"), "must be finite and > 0"},
-      {"too soft", finger("coupling_metric { softness: 1.5 }"),
-       "device[0].coupling_metric.softness = 1.5: must be at most 1"},
       {"certificate", with_option(kLinear, "passivity_certificate {}"),
        "device[0].passivity_certificate = {}: must be absent where there is a prior"},
       {"no palm", finger("tracker {}"),

@@ -140,7 +140,7 @@ TEST(Recorder, CarrierAndLeaseAreRecorded) {
   const TemporaryFile file;
   {
     Recorder recorder(
-        emptied(file), rig_config().kinematics, nullptr, {}, [](const TickRecord& record) {
+        emptied(file), rig_config().kinematics, nullptr, [](const TickRecord& record) {
           return haptic::server::state_record(record, haptic::server::Carrier::kUdp, 9);
         });
     recorder.on_record({});
@@ -148,21 +148,6 @@ TEST(Recorder, CarrierAndLeaseAreRecorded) {
   auto row = read_csv(file.path()).at(0);
   EXPECT_EQ(row["transport"], "UDP");
   EXPECT_EQ(row["lease_epoch"], "9");
-}
-
-TEST(Recorder, CouplingMetricIsOneCell) {
-  const TemporaryFile file;
-  const auto config = rig_config();
-  {
-    Recorder recorder(emptied(file), config.kinematics, nullptr,
-                      haptic::server::StateMessage(config, 0.1));
-    TickRecord record;
-    record.sensed.q = haptic::core::VecQ::Zero(2);
-    record.input.settings.stiffness = haptic::core::VecA::Constant(1, 100.0);
-    recorder.on_record(record);
-  }
-  EXPECT_THAT(read_csv(file.path()).at(0)["coupling_metric"],
-              testing::MatchesRegex("coordinates: 2 lower: 100 lower: 0 lower: [0-9.]+"));
 }
 
 TEST(Recorder, NumbersReadBackExactly) {

@@ -1,6 +1,6 @@
 #pragma once
-/// Pseudo-inverse of a matrix of full column rank, as core/METHOD.md#exact-derivatives and the
-/// coupling metric need it. Not for the tick: it allocates.
+/// Pseudo-inverse of a matrix of full column rank, for core/METHOD.md#exact-derivatives. It
+/// allocates.
 
 #include <optional>
 

@@ -1,4 +1,4 @@
-#include "haptic/core/linear/full_column_rank.hpp"
+#include "tests/report/analysis/full_column_rank.hpp"
 
 #include <Eigen/QR>
 

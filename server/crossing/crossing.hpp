@@ -294,6 +294,6 @@ static_assert(crosses<Request, 1288>);
 static_assert(crosses<Answer, 1864>);
 static_assert(crosses<DeviceEvent, 472>);
 static_assert(crosses<DeviceStatus, 1064>);
-static_assert(crosses<StateRecord, 3992>);
+static_assert(crosses<StateRecord, 3976>);
 
 }  // namespace haptic::server

@@ -78,7 +78,6 @@ struct StateRecord {
 
   core::ProjectionStatus projection{core::ProjectionStatus::kNone};
   double residual{0.0}, condition{0.0};
-  core::Certificate certificate{};
   core::PassivityRecord passivity{};
   core::TrackerRecord tracker{};
 };
@@ -159,7 +158,6 @@ inline Values refused_reading(const core::TickRecord& record) {
   s.projection = record.anchor.projection;
   s.residual = record.anchor.residual;
   s.condition = record.anchor.condition;
-  s.certificate = record.anchor.certificate;
   s.passivity = record.effort.passivity;
   s.tracker = record.sensed.tracker;
   return s;
@@ -190,13 +188,6 @@ void to_proto(const core::TrackerRecord& record, State& state) {
   state.set_seq_used(record.seq);
   state.set_age_us(whole_microseconds(record.age));
   state.set_staleness(static_cast<decltype(state.staleness())>(record.level));
-}
-
-template <typename State>
-void to_proto(const core::Certificate& certificate, State& state) {
-  state.set_status(static_cast<decltype(state.status())>(certificate.status));
-  state.set_margin(certificate.margin);
-  state.set_block(static_cast<std::uint32_t>(certificate.block));
 }
 
 /// One per actuated DoF, or none if none acted.
@@ -245,10 +236,6 @@ void write(const StateRecord& record, State& state) {
   state.set_condition(record.condition);
   state.set_lease_epoch(record.lease_epoch);
   state.set_mode(static_cast<decltype(state.mode())>(record.mode));
-  state.clear_certificate();
-  if (record.certificate.status != core::CertificateStatus::kOff) {
-    to_proto(record.certificate, *state.mutable_certificate());
-  }
   copy(record.tau_measured, state.mutable_tau_measured());
   copy(record.reading, state.mutable_reading());
   copy(record.temperature_c, state.mutable_temperature_c());

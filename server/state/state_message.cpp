@@ -32,7 +32,6 @@ std::size_t largest_state(const core::PipelineConfig& config) {
   const auto absent = [&](int field) {
     return (field == v1::DeviceState::kPassivityFieldNumber && !config.passivity.enabled()) ||
            (field == v1::DeviceState::kTrackerFieldNumber && !config.tracker) ||
-           (field == v1::DeviceState::kCertificateFieldNumber && !config.passivity_certificate) ||
            (field == v1::DeviceState::kTemperatureCFieldNumber && config.ratings.empty());
   };
   std::size_t bytes = 0;

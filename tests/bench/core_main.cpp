@@ -13,7 +13,6 @@
 #include "haptic/core/linear/least_squares.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/hand_exoskeleton.hpp"
-#include "haptic/core/rendering/linear_certificate.hpp"
 #include "haptic/core/rendering/renderer.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/bench/paired.hpp"
@@ -111,7 +110,6 @@ struct Extras {
   const char* name{""};
   bool guard{false}, envelope{false}, tank{false}, observer{false};
   int planes{0};
-  bool certificate{false};
   bool laws{false};   ///< the planes give way and curve
   bool bound{false};  ///< their stiffness is told within 10 %, and the sample is anchored
 };
@@ -126,7 +124,6 @@ core::PipelineConfig tick_config(const core::RendererKind kind, const Extras& ex
   config.scene.renderer = kind;
   config.scene.direction_guard = extras.guard;
   config.monotone_envelope = extras.envelope;
-  config.passivity_certificate = extras.certificate;
   config.passivity.tank.enabled = extras.tank;
   config.passivity.observer.enabled = extras.observer;
   config.passivity.observer.inertia = VecA::Constant(1, 0.05);
@@ -283,12 +280,7 @@ int main() {
     }
   }
 
-  const Extras certified{" with certificate", false, false, false, false, 0, true};
   constexpr core::RendererKind kEq8 = core::RendererKind::kSubspaceLinear;
-  bench::print(bench::compare(
-      "tick subspace_linear with certificate p50", "tick subspace_linear p50", "ns",
-      [&] { return tick_p50(poses, kEq8, certified); },
-      [&] { return tick_p50(poses, kEq8, Extras{}); }, 0.0));
   for (const int planes : {1, 3}) {
     const Extras contacts{"", false, false, false, false, planes};
     const std::string with = " with " + std::to_string(planes) + " contacts p50";
@@ -298,8 +290,7 @@ int main() {
         [&] { return tick_p50(poses, kEq8, contacts); }, planes == 1 ? 1.3 : 0.0));
   }
 
-  const Extras soft{
-      " with 3 soft curved contacts, tank", false, false, true, false, 3, false, true};
+  const Extras soft{" with 3 soft curved contacts, tank", false, false, true, false, 3, true};
   bench::print(bench::measure(
       "tick subspace_linear" + std::string(soft.name) + " p50", "ns",
       [&] { return tick_p50(poses, kEq8, soft); }, 1200.0));
@@ -372,15 +363,6 @@ int main() {
       sink += q_star[0];
     }
   };
-  core::LinearCertificate certificate{core::ProjectionModel(finger)};
-  const auto certify = [&](int n) {  // f, J, the certificate of core/METHOD.md#exact-derivatives
-    for (int i = 0; i < n; ++i) {
-      const auto k = static_cast<std::size_t>(i % kPoses);
-      static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
-      finger.space().difference(poses.x[k], x_probe, dx);
-      sink += certificate.at({poses.q[k], x_probe, J}, dx, Z_q).margin;
-    }
-  };
   constexpr int kCalls = 16384;
   const auto block = [](const auto& body) {
     return [&body] { return bench::ns_per_call(kCalls, body); };
@@ -392,8 +374,6 @@ int main() {
                               block(eigen_qr), 1.0));
   bench::print(bench::compare("Eq. (6) one warm Gauss-Newton step", "Eq. (8)", "ns",
                               block(warm_step), block(ours), 1.2));
-  bench::print(bench::compare("certificate f + J + margin", "Eq. (8)", "ns", block(certify),
-                              block(ours), 0.0));
   bench::print(
       bench::compare("Eq. (6) closed form", "Eq. (8)", "ns", block(closed_form), block(ours), 1.5));
 

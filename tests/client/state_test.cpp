@@ -95,21 +95,17 @@ TEST(State, CarriesEveryFieldOfTheProtocol) {
 
 TEST(State, AbsentMessagesStayAbsent) {
   const DeviceState state = to_state({});
-  EXPECT_FALSE(state.passivity || state.tracker || state.certificate);
+  EXPECT_FALSE(state.passivity || state.tracker);
 }
 
-TEST(State, TellsPosesAgeAndCertificate) {
+TEST(State, TellsPosesAge) {
   v1::DeviceState message;
   message.mutable_tracker()->set_seq_used(12);
   message.mutable_tracker()->set_age_us(3400);
   message.mutable_tracker()->set_staleness(v1::STALENESS_LEVEL_HOLD);
-  message.mutable_certificate()->set_status(v1::CERTIFICATE_STATUS_COMPUTED);
-  message.mutable_certificate()->set_margin(0.75);
-  message.mutable_certificate()->set_block(2);
   const DeviceState state = to_state(message);
   using Pose = TrackerState;
   EXPECT_EQ(*state.tracker, (Pose{12, std::chrono::microseconds(3400), Staleness::kHold}));
-  EXPECT_EQ(*state.certificate, (CertificateState{1, 0.75, 2}));
 }
 
 TEST(StateFields, MatchTheProtocolInOrder) {

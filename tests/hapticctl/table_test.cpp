@@ -29,7 +29,6 @@ v1::DeviceState full_message() {
   message.set_mode(v1::PROXY_MODE_FREE);
   message.mutable_passivity();
   message.mutable_tracker()->set_seq_used(7);
-  message.mutable_certificate();
   message.add_actuator_limiters(6);
   for (auto* actuated :
        {message.mutable_q_dot(), message.mutable_tau_a(), message.mutable_tau_elastic()}) {

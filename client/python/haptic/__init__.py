@@ -29,7 +29,6 @@ from ._errors import ClientError
 from ._ports import DEFAULT_SERVER
 from ._session import Session
 from ._state import (
-    CertificateState,
     DeviceState,
     PassivityState,
     TrackerState,
@@ -54,7 +53,7 @@ from ._types import (
 from ._version import __version__
 
 __all__ = [
-    "DEFAULT_SERVER", "FASTEST_POINT", "FREE", "Carriers", "CertificateState", "ClientError",
+    "DEFAULT_SERVER", "FASTEST_POINT", "FREE", "Carriers", "ClientError",
     "Connection", "Coordinate", "DegreeOfFreedom", "Device", "DeviceState",
     "Event", "JointAxis", "PassivityState", "Plane", "PointMap", "Pose", "Proxy", "SampleCounts",
     "ServerInfo", "Session", "Settings", "TrackerState", "__version__", "behind", "contact",

@@ -11,9 +11,7 @@ Rendering::Rendering(const ProjectionModel& model, const PipelineConfig& config)
       local_(model.kinematics().space(), config.projection.metric),
       renderer_(config.scene.renderer, model),
       force_error_(model),
-      dx_(VecX::Zero(model.n_x())) {
-  if (config.passivity_certificate) certificate_.emplace(model);
-}
+      dx_(VecX::Zero(model.n_x())) {}
 
 Anchor Rendering::step(const LocalProxy::Moment& moment, const Sensed& sensed,
                        const ProxySnapshot& sample, const Settings& settings,
@@ -43,7 +41,6 @@ Anchor Rendering::step(const LocalProxy::Moment& moment, const Sensed& sensed,
   now.residual = projection_.residual;
   now.condition = projection_.condition;
   if (local_.error().known) bound(sensed, settings, now);
-  if (certificate_) now.certificate = certify(sensed, settings, now);
   return now;
 }
 
@@ -113,14 +110,6 @@ void Rendering::bound(const Sensed& sensed, const Settings& settings, Anchor& no
       !now.force_error.allFinite()) {
     now.force_error.resize(0);
   }
-}
-
-Certificate Rendering::certify(const Sensed& sensed, const Settings& settings,
-                               const Anchor& now) noexcept {
-  if (!now.in_the_way) return {CertificateStatus::kIdle};
-  if (now.projection == ProjectionStatus::kMapFailed) return {CertificateStatus::kMapFailed};
-  if (renderer_.kind() != RendererKind::kSubspaceLinear) return {CertificateStatus::kOtherRenderer};
-  return certificate_->at({sensed.q, map_.x_probe(), map_.J()}, dx_, settings.stiffness);
 }
 
 BlockSet Rendering::needs_J(const Settings& settings) const noexcept {

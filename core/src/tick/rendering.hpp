@@ -2,12 +2,9 @@
 /// Stage of a tick: kinematics, the proxy at `now`, and the subspace proxy q* that the renderer
 /// wants the spring anchored at (core/METHOD.md#equations).
 
-#include <optional>
-
 #include "haptic/core/rendering/block_map.hpp"
 #include "haptic/core/rendering/block_renderer.hpp"
 #include "haptic/core/rendering/force_error.hpp"
-#include "haptic/core/rendering/linear_certificate.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "local_proxy.hpp"
 #include "session_settings.hpp"
@@ -23,8 +20,8 @@ struct Displacement {
 
 class Rendering {
  public:
-  /// The model must outlive this. Of the configuration it reads scene, projection,
-  /// monotone_envelope and passivity_certificate.
+  /// The model must outlive this. Of the configuration it reads scene, projection
+  /// and monotone_envelope.
   Rendering(const ProjectionModel& model, const PipelineConfig& config);
 
   /// `sample`: of the proxy in use. `in_use`: the anchor in use in the last tick, n_q; it stays if
@@ -48,8 +45,6 @@ class Rendering {
   void bound(const Sensed& sensed, const Settings& settings, Anchor& now) noexcept;
   /// Blocks whose J this tick reads.
   [[nodiscard]] BlockSet needs_J(const Settings& settings) const noexcept;
-  [[nodiscard]] Certificate certify(const Sensed& sensed, const Settings& settings,
-                                    const Anchor& now) noexcept;
 
   const ProjectionModel& model_;
   const bool all_J_;      ///< the monotone envelope reads J whatever is displaced
@@ -59,7 +54,6 @@ class Rendering {
   LocalProxy local_;
   BlockRenderer renderer_;
   ForceError force_error_;
-  std::optional<LinearCertificate> certificate_{};
   BlockSet reached_{0};  ///< blocks that the planes in use can hold
   BlockSet free_{0};     ///< Anchor::free of the last step
   BlockSet has_J_{0};    ///< blocks with J of the last project()

@@ -98,11 +98,6 @@ DeviceScene read_device(const Part<v1::DeviceScene>& part) {
     read_passivity(part.part<v1::PassivityScene>("passivity"), device);
   }
   pipeline.derating = !part->has_unguarded();
-  pipeline.passivity_certificate = part->has_passivity_certificate();
-  if (part->has_passivity_certificate() && part->has_prior()) {
-    part.wrong("passivity_certificate", "{}",
-               "must be absent where there is a prior: it speaks of Eq. (8) without one");
-  }
   return device;
 }
 

@@ -32,29 +32,6 @@ class Facts(OneServer):
         states.close()
 
 
-class WithoutDiagnostics(OneServer):
-    def test_other_scenes_have_none(self) -> None:
-        state = self.open().wait_for_state()
-        self.assertIsNone(state.certificate)
-
-
-class Diagnostics(OneServer):
-    settings = ("device[0].passivity_certificate={}",)
-
-    def test_a_displaced_proxy_has_a_certificate(self) -> None:
-        session = self.open()
-        self.assertEqual(session.wait_for_state().certificate.status, "IDLE")
-        mcp, pip = session.wait_for_state().x_probe
-        latest = time.monotonic() + 20
-        while time.monotonic() < latest:
-            session.publish(haptic.held([mcp - 0.1, pip]))
-            certificate = session.wait_for_state().certificate
-            if certificate.status == "COMPUTED":
-                break
-        self.assertEqual((certificate.status, certificate.block), ("COMPUTED", 0))
-        self.assertNotEqual(certificate.margin, 1.0)
-
-
 class Force(OneServer):
     def test_it_ramps_up_and_is_released(self) -> None:
         session = self.open()

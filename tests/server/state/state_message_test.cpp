@@ -41,7 +41,6 @@ core::TickRecord full_record() {
   r.effort.passivity.on = true;
   r.effort.passivity.tank = r.effort.passivity.storage = r.effort.passivity.scale = 1.0;
   r.effort.passivity.observed = r.effort.passivity.alpha = 1.0;
-  r.anchor.certificate = {core::CertificateStatus::kComputed, 1, 1.0};
   return r;
 }
 

@@ -153,22 +153,6 @@ TEST(StateFrame, EnergyBookIsPresentIfConfigured) {
   EXPECT_FALSE(state.has_passivity());
 }
 
-TEST(StateFrame, CertificateIsPresentIfConfigured) {
-  StateRecord r = record();
-  r.certificate.status = core::CertificateStatus::kComputed;
-  r.certificate.block = 3;
-  r.certificate.margin = -0.25;
-  StateMessage message;
-  const v1::DeviceState& state = message.write(r);
-  ASSERT_TRUE(state.has_certificate());
-  EXPECT_EQ(state.certificate().status(), v1::CERTIFICATE_STATUS_COMPUTED);
-  EXPECT_EQ(state.certificate().margin(), -0.25);
-  EXPECT_EQ(state.certificate().block(), 3U);
-  r.certificate.status = core::CertificateStatus::kOff;
-  static_cast<void>(message.write(r));
-  EXPECT_FALSE(state.has_certificate());
-}
-
 TEST(LargestState, HandsFitADatagram) {
   core::PipelineConfig config{
       .kinematics = core::make_hand_exoskeleton(

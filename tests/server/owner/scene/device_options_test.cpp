@@ -1,4 +1,4 @@
-// Options of a device: passivity, ratings, metric, diagnostics, tracker.
+// Options of a device: passivity, ratings, metric, tracker.
 #include <Eigen/Core>
 
 #include "hw/board/board_device.hpp"
@@ -39,10 +39,9 @@ TEST(DeviceOptions, AbsentMeansOff) {
   const core::PipelineConfig& pipeline = scene.devices[0].pipeline;
   EXPECT_FALSE(pipeline.passivity.observer.enabled);
   EXPECT_FALSE(pipeline.monotone_envelope);
-  EXPECT_FALSE(pipeline.passivity_certificate);
   EXPECT_TRUE(pipeline.ratings.empty());
   EXPECT_FALSE(pipeline.tracker.has_value());
-  for (const char* field : {"observer", "certificate", " power_w", "tracker"}) {
+  for (const char* field : {"observer", " power_w", "tracker"}) {
     EXPECT_EQ(scene.resolved.find(field), std::string::npos) << field;
   }
 }
@@ -174,12 +173,6 @@ device {
   EXPECT_NEAR(run.run(30).effort.q_star[0], 0.001, 1e-12);
 }
 
-TEST(DiagnosticsScene, PresenceSelects) {
-  const server::Scene scene = parse(with_option(kFinger, "passivity_certificate {}"));
-  EXPECT_TRUE(server::pipeline_config(scene.devices[0], {}).passivity_certificate);
-  expect_resolved(scene, "passivity_certificate");
-}
-
 TEST(TrackerScene, ItsDofsAreThePalms) {
   const server::Scene scene = parse(kOnAPalm);
   const server::DeviceScene& device = scene.devices.front();
@@ -227,8 +220,6 @@ TEST(DeviceOptions, ErrorsNamePlaceValueAndRule) {
        "device[0].limits.thermal[0].derate_from_c = 105: must be"},
       {"two motors", with_limits(kThermal + "} " + kThermal + "}"),
        "device[0].limits.thermal = 2 of them: must be one per"},
-      {"certificate", with_option(kLinear, "passivity_certificate {}"),
-       "device[0].passivity_certificate = {}: must be absent where there is a prior"},
       {"no palm", finger("tracker {}"),
        "device[0].tracker = { ... } with a device that has no tracked palm: must go with "
        "tracked_hand, or with a serial_chain on a palm"},

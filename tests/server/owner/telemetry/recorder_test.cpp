@@ -224,27 +224,6 @@ TEST(Recorder, EnergyColumnsAreEmptyWithoutTank) {
   EXPECT_SAME_BITS(rows[1]["passivity_observed_j"], 0.1);
 }
 
-TEST(Recorder, CertificateIsEmptyUnlessAskedFor) {
-  const TemporaryFile file;
-  {
-    Recorder recorder(emptied(file), rig_config().kinematics);
-    TickRecord record;
-    recorder.on_record(record);
-    record.anchor.certificate = {haptic::core::CertificateStatus::kNotFullRank, 3, 0.0};
-    recorder.on_record(record);
-    record.anchor.certificate = {haptic::core::CertificateStatus::kComputed, 2, -1.0 / 3.0};
-    recorder.on_record(record);
-  }
-  auto rows = read_csv(file.path());
-  ASSERT_EQ(rows.size(), 3u);
-  EXPECT_EQ(rows[0].at("certificate_status"), "");
-  EXPECT_EQ(rows[1].at("certificate_status"), "NOT_FULL_RANK");
-  EXPECT_EQ(rows[0].at("certificate_margin"), "");
-  EXPECT_EQ(rows[2].at("certificate_status"), "COMPUTED");
-  EXPECT_SAME_BITS(rows[2].at("certificate_margin"), -1.0 / 3.0);
-  EXPECT_EQ(rows[2].at("certificate_block"), "2");
-}
-
 TickRecord record_with_everything() {
   TickRecord record;
   record.input.now = TimePoint(1h);

@@ -50,9 +50,6 @@ struct PipelineConfig {
   /// core/METHOD.md#forces-at-the-finger, with one actuated DoF; with more of them it means the
   /// direction guard.
   bool monotone_envelope{false};
-  /// Computes the certificate of Eq. (8) in every tick (core/METHOD.md#exact-derivatives); not with
-  /// a prior.
-  bool passivity_certificate{false};
   PassivitySettings passivity{};  ///< energy tank and observer; off by default
   /// Lowers the stiffness to what the loop allows as it is measured, if passivity.device_damping is
   /// known and above 0 (core/METHOD.md#stiffness-in-effect).

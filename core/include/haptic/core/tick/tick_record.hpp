@@ -11,7 +11,6 @@
 #include "haptic/core/model/dof_layout.hpp"
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/passivity/passivity.hpp"
-#include "haptic/core/rendering/certificate.hpp"
 #include "haptic/core/rendering/projection.hpp"
 #include "haptic/core/safety/lifecycle.hpp"
 #include "haptic/core/tick/tick_input.hpp"
@@ -152,7 +151,6 @@ struct Anchor {
   /// Bound of the error of Z_q S (q_star - q) against the simulation's own proxy, n_a; size 0:
   /// nothing is known of it.
   VecA force_error{};
-  Certificate certificate{};  ///< of the linearised method, if the scene asks for it
   LimiterSet limiters{};
 
   /// S (q* - q), n_a: how far the spring would be stretched, m or rad; 0 if nothing pulls.
@@ -164,7 +162,7 @@ struct Anchor {
   [[nodiscard]] auto members() const noexcept {
     return std::tie(x_probe, x, free, mapped, in_the_way, planes, active_planes, stored, coupling,
                     unexplained, anchored, q_star, projection, residual, condition, force_error,
-                    certificate, limiters);
+                    limiters);
   }
 };
 

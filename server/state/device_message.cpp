@@ -59,7 +59,7 @@ v1::Device describe(const std::string& name, const hw::DeviceInfo& info,
   const core::Drawing drawing = config.kinematics->drawing();
   if (!drawing.bodies.empty()) *message.mutable_drawing() = to_message(drawing);
   message.set_wants_tracker(config.tracker.has_value());
-  if (!config.guarded()) message.add_unguarded("direction_guard");
+  if (!config.scene.direction_guard) message.add_unguarded("direction_guard");
   if (!config.passivity.tank.enabled) message.add_unguarded("energy_tank");
   return message;
 }

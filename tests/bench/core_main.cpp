@@ -108,7 +108,7 @@ core::TickInput tick_input(const Poses& poses, const core::PipelineConfig& confi
 /// Parts that a scene may add to a tick.
 struct Extras {
   const char* name{""};
-  bool guard{false}, envelope{false}, tank{false}, observer{false};
+  bool guard{false}, tank{false}, observer{false};
   int planes{0};
   bool laws{false};   ///< the planes give way and curve
   bool bound{false};  ///< their stiffness is told within 10 %, and the sample is anchored
@@ -123,7 +123,6 @@ core::PipelineConfig tick_config(const core::RendererKind kind, const Extras& ex
   config.device.max_effort = VecA::Constant(1, 40.0);
   config.scene.renderer = kind;
   config.scene.direction_guard = extras.guard;
-  config.monotone_envelope = extras.envelope;
   config.passivity.tank.enabled = extras.tank;
   config.passivity.observer.enabled = extras.observer;
   config.passivity.observer.inertia = VecA::Constant(1, 0.05);
@@ -270,10 +269,9 @@ int main() {
         core::RendererKind::kSubspaceLinear, core::RendererKind::kSubspaceExact,
         core::RendererKind::kPerContact}) {
     for (const Extras& extras :
-         {Extras{}, Extras{" with guard", true}, Extras{" with tank", false, false, true},
-          Extras{" with 3 planes", false, false, false, false, 3},
-          Extras{" with 3 planes, guard, tank, observer", true, false, true, true, 3},
-          Extras{" with 3 planes, envelope, tank, observer", false, true, true, true, 3}}) {
+         {Extras{}, Extras{" with guard", true}, Extras{" with tank", false, true},
+          Extras{" with 3 planes", false, false, false, 3},
+          Extras{" with 3 planes, guard, tank, observer", true, true, true, 3}}) {
       bench::print(bench::measure(
           "tick " + std::string(core::name(kind)) + extras.name + " p50", "ns",
           [&] { return tick_p50(poses, kind, extras); }, extras.planes > 0 ? 2000.0 : 1000.0));
@@ -282,7 +280,7 @@ int main() {
 
   constexpr core::RendererKind kEq8 = core::RendererKind::kSubspaceLinear;
   for (const int planes : {1, 3}) {
-    const Extras contacts{"", false, false, false, false, planes};
+    const Extras contacts{"", false, false, false, planes};
     const std::string with = " with " + std::to_string(planes) + " contacts p50";
     bench::print(bench::compare(
         "tick per_contact" + with, "tick subspace_linear" + with, "ns",
@@ -290,7 +288,7 @@ int main() {
         [&] { return tick_p50(poses, kEq8, contacts); }, planes == 1 ? 1.3 : 0.0));
   }
 
-  const Extras soft{" with 3 soft curved contacts, tank", false, false, true, false, 3, true};
+  const Extras soft{" with 3 soft curved contacts, tank", false, true, false, 3, true};
   bench::print(bench::measure(
       "tick subspace_linear" + std::string(soft.name) + " p50", "ns",
       [&] { return tick_p50(poses, kEq8, soft); }, 1200.0));

@@ -20,8 +20,7 @@ namespace {
 constexpr double kRounding = 1e-9;  // J: of a few thousand ticks' sums
 constexpr double kMilli = 1e3;
 constexpr std::array kMotions{Motion::kCycle, Motion::kHand, Motion::kPress};
-constexpr std::array kSafeguards{Safeguard::kNothing, Safeguard::kGuard, Safeguard::kGuardTank,
-                                 Safeguard::kEnvelopeTank};
+constexpr std::array kSafeguards{Safeguard::kNothing, Safeguard::kGuard, Safeguard::kGuardTank};
 constexpr std::string_view kQMetric = "q_metric";
 constexpr Pair kFreeSpace{80.0, 100.0};  // deg: the hand's cycle stays far from it
 
@@ -231,7 +230,7 @@ void add_closed_loop(CLI::App& app) {
   command->add_option("--delay", o->delay, "ms, 0 to 100 (a choice)")
       ->check(CLI::Range(0.0, 100.0));
   command->add_option("--with", o->with, "this safeguard alone")
-      ->check(CLI::IsMember({"nothing", "guard", "guard_tank", "envelope_tank"}));
+      ->check(CLI::IsMember({"nothing", "guard", "guard_tank"}));
   command->add_option("--direction", o->direction, "this direction alone")
       ->check(CLI::IsMember({"forward", "reversed"}));
   command->add_option("--stiffness", o->stiffness, "Z_q in N/m")

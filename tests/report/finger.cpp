@@ -20,7 +20,7 @@ struct Options {
   std::optional<Pair> stop{}, target{};
   std::optional<double> stiffness{};
   std::string method{};
-  bool guard{false}, envelope{false}, tank{false}, grid{false}, joints{false}, trace{false};
+  bool guard{false}, tank{false}, grid{false}, joints{false}, trace{false};
   bool board{false};
 };
 
@@ -34,7 +34,6 @@ std::vector<Press> runs(const Options& options) {
     press.target_deg = target;
     press.stiffness = stiffness;
     press.direction_guard = options.guard;
-    press.monotone_envelope = options.envelope;
     press.energy_tank = options.tank;
     press.board = options.board;
     presses.push_back(press);
@@ -160,7 +159,6 @@ void add_finger(CLI::App& app) {
   command->add_option("--method", options->method, "this method alone")
       ->check(CLI::IsMember({"standard", "null_space", "subspace_linear", "subspace_exact"}));
   command->add_flag("--guard", options->guard, "with the direction guard");
-  command->add_flag("--envelope", options->envelope, "with the monotone envelope");
   command->add_flag("--tank", options->tank, "with the energy tank, strictly passive");
   command->add_flag(
       "--board", options->board,

@@ -35,9 +35,7 @@ core::PipelineConfig pipeline_for(const FingerLoop& what,
   config.scene.renderer = what.method;
   config.scene.direction_guard =
       what.with == Safeguard::kGuard || what.with == Safeguard::kGuardTank;
-  config.monotone_envelope = what.with == Safeguard::kEnvelopeTank;
-  config.passivity.tank.enabled =
-      what.with == Safeguard::kGuardTank || what.with == Safeguard::kEnvelopeTank;
+  config.passivity.tank.enabled = what.with == Safeguard::kGuardTank;
   config.passivity.tank.initial = what.tank_initial;
   config.passivity.device_damping = VecA::Constant(1, kDeviceDamping);
   config.scene.stiffness =
@@ -131,9 +129,7 @@ void account(const FingerLoop& what, const core::TickRecord& record, LoopFigures
     figures.max_penetration_deg = std::max(
         figures.max_penetration_deg, (record.anchor.x_probe[i] - what.client.stop[i]) / kDegree);
   }
-  const bool withheld = record.limiters().has(core::Limiter::kDirectionGuard) ||
-                        (record.limiters().has(core::Limiter::kMonotoneEnvelope) && force == 0.0);
-  figures.withheld += withheld ? 1 : 0;
+  figures.withheld += record.limiters().has(core::Limiter::kDirectionGuard) ? 1 : 0;
   ++figures.ticks;
 }
 
@@ -159,8 +155,6 @@ std::string_view name(Safeguard with) noexcept {
       return "guard";
     case Safeguard::kGuardTank:
       return "guard_tank";
-    case Safeguard::kEnvelopeTank:
-      return "envelope_tank";
   }
   return "";
 }

@@ -21,7 +21,7 @@ enum class Motion {
 };
 inline constexpr int kCycles = 4;  ///< core/METHOD.md#energy-tank; the last one is reported
 
-enum class Safeguard { kNothing, kGuard, kGuardTank, kEnvelopeTank };
+enum class Safeguard { kNothing, kGuard, kGuardTank };
 
 [[nodiscard]] std::string_view name(Motion motion) noexcept;
 [[nodiscard]] std::string_view name(Safeguard with) noexcept;
@@ -54,7 +54,7 @@ struct LoopFigures {
   double peak_force{0.0};    ///< of the magnitude
   double max_penetration_deg{0.0};
   int ticks{0};
-  int withheld{0};   ///< ticks: guard or envelope
+  int withheld{0};   ///< ticks, by the guard
   int throttled{0};  ///< ticks: tank, since force came on
 };
 

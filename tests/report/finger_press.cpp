@@ -32,7 +32,6 @@ core::PipelineConfig pipeline_for(const Press& what, const hw::Device& device,
   config.device = device.info().limits;
   config.scene.renderer = what.method;
   config.scene.direction_guard = what.direction_guard;
-  config.monotone_envelope = what.monotone_envelope;
   config.passivity.tank.enabled = what.energy_tank;
   config.passivity.device_damping = VecA::Constant(1, kDeviceDamping);
   config.scene.stiffness =

@@ -18,7 +18,6 @@ struct Press {
   double stiffness{1500.0};      ///< Z_q, N/m
   core::RendererKind method{core::RendererKind::kSubspaceLinear};
   bool direction_guard{false};
-  bool monotone_envelope{false};
   bool energy_tank{false};  ///< strictly passive: tank_0 = 0, P_env = 0
                             ///< (core/METHOD.md#energy-tank)
   bool board{false};        ///< through the serial protocol and an emulated board with its L16

@@ -64,8 +64,7 @@ for method in standard null_space subspace_linear subspace_exact; do
   done
 done
 
-# With guard (or envelope) and tank: never more than the tank held, any method, client and
-# direction.
+# With guard and tank: never more than the tank held, any method, client and direction.
 within() {  # within ROWS TANK_MJ arguments...
   rows=$1 tank=$2
   shift 2
@@ -76,7 +75,7 @@ within() {  # within ROWS TANK_MJ arguments...
 within 54 0 --motion cycle --with guard_tank --rate 1000
 within 56 0 --motion hand --with guard_tank --rate 60 --delay 20
 within 26 0 --motion hand --with guard_tank --rate 30 --delay 100 --proxy held
-within 28 0 --motion hand --with envelope_tank --rate 60 --delay 20 --proxy derived_planes
+within 28 0 --motion hand --with guard_tank --rate 60 --delay 20 --proxy derived_planes
 within 28 0 --motion hand --with guard_tank --rate 200 --delay 50 --proxy held
 within 28 2 --motion hand --with guard_tank --rate 60 --delay 20 --proxy held
 

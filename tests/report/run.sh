@@ -155,11 +155,11 @@ make_radius() {
 make_finger() {
   local name
   local guard heading
-  for name in finger finger_guard finger_envelope_tank; do
+  for name in finger finger_guard finger_guard_tank; do
     case $name in
       finger) guard=() heading="no guard" ;;
       finger_guard) guard=(--guard) heading="direction guard" ;;
-      *) guard=(--envelope --tank) heading="monotone envelope and energy tank" ;;
+      *) guard=(--guard --tank) heading="direction guard and energy tank" ;;
     esac
     csv "$name" finger --joints "${guard[@]}"
     csv "${name}_trace" finger --trace "${guard[@]}"
@@ -175,14 +175,14 @@ make_finger() {
     awk -v with="${with:-nothing}" \
       'NR > 1 { print with "," $0 } NR == 1 && with == "nothing" { print "with," $0 }' \
       "$output/corner.csv" | sed 's/^--//; s/ --/ and /' >>"$output/finger_corner.csv"
-  done <<<$'\n--guard\n--guard --tank\n--envelope --tank'
+  done <<<$'\n--guard\n--guard --tank'
   rm "$output/corner.csv"
   # How many of the 24 presses ended how.
   (cd "$output" && awk -F, -v OFS=, 'FNR == 1 { 
-      with = FILENAME ~ /guard/ ? "guard" : FILENAME ~ /tank/ ? "envelope and tank" : "nothing";
+      with = FILENAME ~ /tank/ ? "guard and tank" : FILENAME ~ /guard/ ? "guard" : "nothing";
         next }
     { n[with OFS $1 OFS $13]++ } END { for (key in n) print key,
-      n[key] }' finger_grid.csv finger_guard_grid.csv finger_envelope_tank_grid.csv |
+      n[key] }' finger_grid.csv finger_guard_grid.csv finger_guard_tank_grid.csv |
     sort | { echo "with,method,verdict,runs"; cat; } >finger_counts.csv)
 }
 

@@ -21,13 +21,11 @@ RenderedSpring::RenderedSpring(const ProjectionModel& model, const PipelineConfi
       device_damping_(config.passivity.device_damping.size() > 0 ? config.passivity.device_damping
                                                                  : VecA(VecA::Zero(layout_.n_a()))),
       hold_(seconds(config.device.sample_period)),
-      guarded_(config.monotone_envelope),
       by_sum_(keeps_guard(model)),
       guard_(model, config.scene.stiffness),
       stretch_(VecA::Zero(layout_.n_a())),
       displayed_(VecA::Ones(layout_.n_a())),
       elastic_(stretch_) {
-  if (config.monotone_envelope && layout_.n_a() == 1) envelope_.emplace(model);
   if (config.passivity.enabled()) passivity_.emplace(config.passivity, layout_.n_a());
   if (model.coupling()) coupled_.emplace();
 }
@@ -35,7 +33,7 @@ RenderedSpring::RenderedSpring(const ProjectionModel& model, const PipelineConfi
 void RenderedSpring::step(const Beat& beat, const Sensed& sensed, const Anchor& wanted,
                           const Lifecycle& life, const Settings& settings, const Displacement& at,
                           const VecA& force_limit, Effort& effort) noexcept {
-  anchor_.q_star = wanted.q_star;
+  q_star_ = wanted.q_star;
   stretch_ = wanted.stretch(layout_, sensed.q);
   if (coupled_) {
     coupled_->gain = 1.0;
@@ -49,7 +47,7 @@ void RenderedSpring::step(const Beat& beat, const Sensed& sensed, const Anchor& 
     pay(beat, sensed, wanted, life, settings, at, taken_off || !wanted.anchored, effort);
   }
   elastic_ = force(settings);
-  effort.q_star = anchor_.q_star;
+  effort.q_star = q_star_;
 }
 
 VecA RenderedSpring::force(const Settings& settings) const noexcept {
@@ -67,24 +65,15 @@ void RenderedSpring::hold(const Effort& effort) noexcept {
 
 bool RenderedSpring::withheld(const Sensed& sensed, const Anchor& wanted, const Settings& settings,
                               const Displacement& at, Effort& effort) noexcept {
-  if (envelope_) {
-    const EnvelopeAnswer answer = envelope_->apply(at.probe, at.dx, settings.renderer, anchor_);
-    if (answer != EnvelopeAnswer::kProxy) effort.limiters.set(Limiter::kMonotoneEnvelope);
-    if (answer == EnvelopeAnswer::kEarlier) {
-      stretch_ = layout_.select(anchor_.q_star) - layout_.select(sensed.q);
-    }
-    if (answer != EnvelopeAnswer::kWithheld) return false;
-  } else {
-    const bool guarded = (settings.direction_guard || guarded_) &&
-                         settings.renderer != RendererKind::kPerContact;  // has a rule of its own
-    const bool towards = by_sum_ && settings.renderer == RendererKind::kSubspaceLinear &&
-                         wanted.projection == ProjectionStatus::kExact;
-    if (!guarded || towards || guard_.allows(at.probe, at.dx, force(settings))) return false;
-    effort.limiters.set(Limiter::kDirectionGuard);
-  }
+  const bool guarded = settings.direction_guard &&
+                       settings.renderer != RendererKind::kPerContact;  // has a rule of its own
+  const bool towards = by_sum_ && settings.renderer == RendererKind::kSubspaceLinear &&
+                       wanted.projection == ProjectionStatus::kExact;
+  if (!guarded || towards || guard_.allows(at.probe, at.dx, force(settings))) return false;
+  effort.limiters.set(Limiter::kDirectionGuard);
   stretch_.setZero();
   for (int i = 0; i < layout_.n_a(); ++i) {
-    anchor_.q_star[layout_.actuated(i)] = sensed.q[layout_.actuated(i)];
+    q_star_[layout_.actuated(i)] = sensed.q[layout_.actuated(i)];
   }
   return true;
 }
@@ -112,7 +101,7 @@ void RenderedSpring::pay(const Beat& beat, const Sensed& sensed, const Anchor& w
   }
   // A spring that is not there stores nothing over the tick either, however far the device moves.
   spring.gain = off ? 0.0 : life.gain;
-  VecA anchor = off ? q_a : layout_.select(anchor_.q_star);
+  VecA anchor = off ? q_a : layout_.select(q_star_);
   for (int i = 0; i < layout_.n_a(); ++i) {  // a factor of 1 leaves the anchor's bits alone
     if (displayed_[i] != 1.0) anchor[i] = q_a[i] + (anchor[i] - q_a[i]) / displayed_[i];
   }
@@ -124,7 +113,7 @@ void RenderedSpring::pay(const Beat& beat, const Sensed& sensed, const Anchor& w
   anchor = passivity_->admit(spring, anchor, wanted.stored * coupling_, settings.slew_limit);
   effort.passivity = passivity_->record();
   for (int i = 0; i < layout_.n_a() && !off; ++i) {
-    double& q_star = anchor_.q_star[layout_.actuated(i)];
+    double& q_star = q_star_[layout_.actuated(i)];
     if (displayed_[i] == 1.0) {
       q_star = anchor[i];
     } else if (effort.passivity.throttled) {

@@ -1,13 +1,12 @@
 #pragma once
 /// The spring of one tick between where the device is and the anchor in use: the wanted anchor
-/// after the envelope or the direction guard (core/METHOD.md#forces-at-the-finger), and after the
-/// energy tank (core/METHOD.md#energy-tank). A part of the actuation.
+/// after the direction guard (core/METHOD.md#forces-at-the-finger) and the energy tank
+/// (core/METHOD.md#energy-tank). A part of the actuation.
 
 #include <optional>
 
 #include "haptic/core/passivity/direction_guard.hpp"
 #include "haptic/core/passivity/passivity.hpp"
-#include "haptic/core/rendering/monotone_envelope.hpp"
 #include "haptic/core/safety/actuator_ratings.hpp"
 #include "rendering.hpp"
 
@@ -15,8 +14,8 @@ namespace haptic::core {
 
 class RenderedSpring {
  public:
-  /// The model's kinematics must outlive this. Of the configuration it reads scene, passivity,
-  /// device.sample_period and monotone_envelope.
+  /// The model's kinematics must outlive this. Of the configuration it reads scene, passivity
+  /// and device.sample_period.
   RenderedSpring(const ProjectionModel& model, const PipelineConfig& config);
 
   /// Writes q_star, passivity and limiters of the effort. `force_limit`: what the actuators may
@@ -36,7 +35,7 @@ class RenderedSpring {
   [[nodiscard]] int saturated() const noexcept;
 
  private:
-  /// Envelope or direction guard. True: the elastic force is withheld, and the anchor is at q.
+  /// The direction guard. True: the elastic force is withheld, and the anchor is at q.
   [[nodiscard]] bool withheld(const Sensed& sensed, const Anchor& wanted, const Settings& settings,
                               const Displacement& at, Effort& effort) noexcept;
   /// The tank decides the anchor in use, the observer what it adds to the damping.
@@ -48,13 +47,11 @@ class RenderedSpring {
   const DofLayout layout_;
   const VecA device_damping_;  ///< n_a
   const double hold_;          ///< nominal period of the device's samples, s
-  const bool guarded_;         ///< the scene has a direction guard in every session
   const bool by_sum_;          ///< the guard judges Eq. (8) by Eq. (15) alone, which it keeps
   DirectionGuard guard_;
-  std::optional<MonotoneEnvelope> envelope_{};
   std::optional<Passivity> passivity_{};
   std::optional<SpringStorage> coupled_{};  ///< at gain 1
-  Projection anchor_{};                     ///< q_star: in use
+  VecQ q_star_{};                           ///< in use
   VecA stretch_{};                          ///< S (q* - q)
   VecA displayed_{};      ///< stiffness of the tank's spring by that of Z_q, n_a; >= 1
   double coupling_{0.0};  ///< J of the spring by Anchor::coupling, when it last was stretched

@@ -4,8 +4,6 @@ namespace haptic::core {
 
 Rendering::Rendering(const ProjectionModel& model, const PipelineConfig& config)
     : model_(model),
-      all_J_(config.monotone_envelope && model.layout().n_a() == 1),
-      guarded_(config.monotone_envelope),
       separable_(model.has_blocks() && !model.prior() && model.kinematics().blocks().size() > 1),
       map_(model.kinematics()),
       local_(model.kinematics().space(), config.projection.metric),
@@ -113,8 +111,7 @@ void Rendering::bound(const Sensed& sensed, const Settings& settings, Anchor& no
 }
 
 BlockSet Rendering::needs_J(const Settings& settings) const noexcept {
-  if (all_J_) return map_.all();
-  const bool guarded = settings.direction_guard || guarded_;
+  const bool guarded = settings.direction_guard;
   if (!guarded && renderer_.reads_J(map_.all()) == 0) return 0;  // Eq. (6), whatever is displaced
   BlockSet displaced = map_.displaced(dx_);
   if (displaced != 0 && !model_.has_blocks()) displaced = map_.all();

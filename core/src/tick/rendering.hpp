@@ -20,8 +20,7 @@ struct Displacement {
 
 class Rendering {
  public:
-  /// The model must outlive this. Of the configuration it reads scene, projection
-  /// and monotone_envelope.
+  /// The model must outlive this. Of the configuration it reads scene and projection.
   Rendering(const ProjectionModel& model, const PipelineConfig& config);
 
   /// `sample`: of the proxy in use. `in_use`: the anchor in use in the last tick, n_q; it stays if
@@ -47,8 +46,6 @@ class Rendering {
   [[nodiscard]] BlockSet needs_J(const Settings& settings) const noexcept;
 
   const ProjectionModel& model_;
-  const bool all_J_;      ///< the monotone envelope reads J whatever is displaced
-  const bool guarded_;    ///< the scene has a direction guard in every session
   const bool separable_;  ///< nothing ties the blocks together
   BlockMap map_;
   LocalProxy local_;

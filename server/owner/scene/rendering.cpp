@@ -199,7 +199,6 @@ void read_rendering(const Part<v1::DeviceScene>& part, DeviceScene& device) {
       read_staleness(part.part<v1::StalenessScene>("staleness"), pipeline.scene.staleness);
   pipeline.scene.renderer = read_renderer(part);
   pipeline.scene.direction_guard = part->has_direction_guard();
-  pipeline.monotone_envelope = part->has_monotone_envelope();
   check_coupling(part, pipeline);
 }
 

@@ -25,14 +25,10 @@ double stored_at_engage(const core::PipelineConfig& device) {
 }  // namespace
 
 void add_guard(const Part<v1::DeviceScene>& part) {
-  const bool named = part->has_direction_guard() || part->has_monotone_envelope();
   if (!part->has_unguarded()) {
-    if (!named) part->mutable_direction_guard();
-    return;
-  }
-  if (named && part->passivity().has_tank()) {
-    const char* const guard = part->has_direction_guard() ? "direction_guard" : "monotone_envelope";
-    part.wrong("unguarded", std::string("{ beside ") + guard + " and passivity.tank }",
+    part->mutable_direction_guard();
+  } else if (part->has_direction_guard() && part->passivity().has_tank()) {
+    part.wrong("unguarded", "{ beside direction_guard and passivity.tank }",
                "must be absent: both are named, so it leaves nothing out");
   }
 }
@@ -51,7 +47,7 @@ std::vector<std::string> safeguard_warnings(const Scene& scene) {
   for (std::size_t d = 0; d < scene.devices.size(); ++d) {
     const core::PipelineConfig& device = scene.devices[d].pipeline;
     const std::string unguarded = entry("device", d) + ".unguarded: ";
-    if (!device.guarded()) {
+    if (!device.scene.direction_guard) {
       warnings.push_back(unguarded +
                          "no direction_guard: force may push the user into a contact, unless the "
                          "renderer is per_contact");

@@ -28,7 +28,6 @@ struct Press {
   bool planes{false};  ///< the stops as planes, 60 samples a second, instead of a held proxy
   core::RendererKind renderer{core::RendererKind::kSubspaceLinear};
   bool direction_guard{false};
-  bool monotone_envelope{false};
   double seconds{2.0};
   core::PassivitySettings passivity{};
 };
@@ -59,7 +58,6 @@ inline core::PipelineConfig pipeline_of(const Press& press) {
   c.scene.force_limit = core::VecA::Constant(1, 40.0);
   c.scene.slew_limit = core::VecA::Constant(1, 1e7);
   c.scene.engage_window = core::VecA::Constant(1, 1e6);
-  c.monotone_envelope = press.monotone_envelope;
   c.passivity = press.passivity;
   return c;
 }

@@ -113,42 +113,6 @@ TEST(Press, EmptyTankLeavesAPressAlone) {
   }
 }
 
-/// The 24 runs of tests/report/STUDY.md#chosen-presses-finger_sign_change.
-template <typename Visit>
-void over_method_24(Visit visit) {
-  for (const Eigen::Vector2d& target :
-       {Eigen::Vector2d(50, 50), Eigen::Vector2d(60, 80), Eigen::Vector2d(20, 60)}) {
-    for (const Eigen::Vector2d& stop : {Eigen::Vector2d(18, kNoStop), Eigen::Vector2d(5, kNoStop),
-                                        Eigen::Vector2d(kNoStop, 25), Eigen::Vector2d(18, 25)}) {
-      for (const double stiffness : {1500.0, 6000.0}) {
-        Press press;
-        press.renderer = RendererKind::kSubspaceExact;
-        press.stop = stop;
-        press.target = target;
-        press.stiffness = stiffness;
-        visit(press);
-      }
-    }
-  }
-}
-
-TEST(Press, TheMonotoneEnvelopeNeverPullsAway) {
-  over_method_24([&](Press press) {
-    SCOPED_TRACE(std::to_string(press.stop[0]) + " " + std::to_string(press.target[0]) + " " +
-                 std::to_string(press.stiffness));
-    press.force = false;
-    const Pressed free = run(press);
-    press.force = press.monotone_envelope = true;
-    press.passivity = tank_of(0.0);
-    const Pressed envelope = run(press);
-    EXPECT_GE(envelope.least_power, 0.0);
-    EXPECT_LE(envelope.penetration, free.penetration + 0.5);
-    // K T/2 <= b: no debt. At 6000 N/m the hold leaks more than 2 N s/m take.
-    EXPECT_LE(envelope.debt, press.stiffness < 4000.0 ? 1e-12 : 3e-5);
-    EXPECT_LE(envelope.most_net, envelope.debt + 1e-9);
-  });
-}
-
 TEST(Press, SlowPlanesMatchAFastClient) {
   for (const RendererKind renderer : kAll) {
     for (const Row& row : kRows) {

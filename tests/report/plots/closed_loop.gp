@@ -5,7 +5,7 @@ load "style.gp"
 stops = "18/999 999/25 18/25"; stop_names = \
   "'MCP stopped at 18°' 'PIP stopped at 25°' 'both stopped'"
 motions = "cycle hand"; motion_names = "'the device is led' 'the hand aims, the finger follows'"
-withs = "nothing guard guard_tank envelope_tank"
+withs = "nothing guard guard_tank"
 all_methods = methods." q_metric"
 all_hues = hues." #d9660a"
 stop_is(s) = sprintf("%g/%g", column("stop_mcp_deg"), column("stop_pip_deg")) eq word(stops, s)
@@ -14,7 +14,7 @@ sent(m) = m == 5 ? strcol("proxy") eq "q_metric" && column("rate_hz") == 1000 \
 at(m, s, motion, direction, v) = strcol("method") eq word(all_methods, m) && sent(m) && stop_is(s) \
   && strcol("motion") eq motion && strcol("direction") eq direction ? v : NaN
 place(m) = (strcol("with") eq word(withs, 1) ? 1 : strcol("with") eq word(withs, 2) ? 2 : \
-  strcol("with") eq word(withs, 3) ? 3 : 4) + (m - 3) * 0.15
+  3) + (m - 3) * 0.15
 
 do for [kind in "svg png"] {
   eval begin(kind, 1500, 1150)
@@ -28,8 +28,8 @@ do for [kind in "svg png"] {
   do for [motion = 1:2] {
     do for [s = 1:3] {
       set title word(stop_names, s).", ".word(motion_names, motion)
-      set xrange [0.5:4.5]
-      set xtics ("nothing" 1, "guard" 2, "guard, tank" 3, "envelope, tank" 4)
+      set xrange [0.5:3.5]
+      set xtics ("nothing" 1, "guard" 2, "guard, tank" 3)
       set yrange [*:*]
       set ylabel (s == 1 ? "net energy to the user per cycle / mJ" : "") offset 0.5,0
       set xlabel ""

@@ -38,16 +38,15 @@ enum class Limiter : std::uint8_t {
   kPassivity = 6,  ///< the passivity controller adds damping (core/METHOD.md#passivity-observer)
   kInfeasiblePlanes = 7,  ///< the planes contradict each other: least violation
                           ///< (core/METHOD.md#local-models)
-  kMonotoneEnvelope = 8,  ///< q* taken from before the proxy on the way to it
-                          ///< (core/METHOD.md#forces-at-the-finger)
-  kPower = 9,             ///< the actuator would give out more power than it is rated for
-  kRate = 10,             ///< no push beyond the actuator's rated rate
-  kTemperature = 11,      ///< force held at what the winding's estimated temperature allows
-  kDriveLimit = 12,       ///< force loop or admittance held at its output, rate or travel limit
-  kContacts = 13,         ///< force held back: one contact's push would push another contact in
-                          ///< (core/METHOD.md#rendering-per-contact)
-  kSingular = 14,         ///< J^+ is damped near a singular pose
-                          ///< (core/METHOD.md#damping-near-singular-poses)
+  // 8 was the monotone envelope's.
+  kPower = 9,         ///< the actuator would give out more power than it is rated for
+  kRate = 10,         ///< no push beyond the actuator's rated rate
+  kTemperature = 11,  ///< force held at what the winding's estimated temperature allows
+  kDriveLimit = 12,   ///< force loop or admittance held at its output, rate or travel limit
+  kContacts = 13,     ///< force held back: one contact's push would push another contact in
+                      ///< (core/METHOD.md#rendering-per-contact)
+  kSingular = 14,     ///< J^+ is damped near a singular pose
+                      ///< (core/METHOD.md#damping-near-singular-poses)
   kBranch = 15,  ///< q* held on its branch, or moved to another one in steps, where two poses are
                  ///< about equally near (core/METHOD.md#projection-algorithm)
   kNeverFree = 16,  ///< no force starts: the proxy is held, and no sample of its lease was free

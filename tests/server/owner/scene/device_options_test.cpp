@@ -38,7 +38,6 @@ TEST(DeviceOptions, AbsentMeansOff) {
   const server::Scene scene = parse(kFinger);
   const core::PipelineConfig& pipeline = scene.devices[0].pipeline;
   EXPECT_FALSE(pipeline.passivity.observer.enabled);
-  EXPECT_FALSE(pipeline.monotone_envelope);
   EXPECT_TRUE(pipeline.ratings.empty());
   EXPECT_FALSE(pipeline.tracker.has_value());
   for (const char* field : {"observer", " power_w", "tracker"}) {
@@ -47,9 +46,7 @@ TEST(DeviceOptions, AbsentMeansOff) {
 }
 
 TEST(PassivityScene, DefaultsComeFromTheSimulatedDevice) {
-  const server::Scene scene =
-      parse(with_option(kFinger, "passivity { tank {} observer {} }\n  monotone_envelope {}"));
-  EXPECT_TRUE(scene.devices[0].pipeline.monotone_envelope);
+  const server::Scene scene = parse(with_option(kFinger, "passivity { tank {} observer {} }"));
   const core::PassivitySettings& p = scene.devices[0].pipeline.passivity;
   EXPECT_TRUE(p.tank.enabled);
   EXPECT_TRUE(p.observer.enabled);

@@ -36,7 +36,6 @@ TEST(Safeguards, AreThereByDefault) {
   expect_resolved(scene, "initial_j: 0.00833");
 
   EXPECT_TRUE(pipeline_of("passivity { observer {} }").passivity.tank.enabled);
-  EXPECT_FALSE(pipeline_of("monotone_envelope {}").scene.direction_guard);
 }
 
 TEST(Safeguards, OneWordLeavesThemOut) {
@@ -55,8 +54,6 @@ TEST(Safeguards, ANamedOneStays) {
   const server::Scene guard = parse(with_option(kFinger, "unguarded {} direction_guard {}"));
   EXPECT_TRUE(guard.devices[0].pipeline.scene.direction_guard);
   EXPECT_THAT(guard.warnings, ElementsAre(HasSubstr("no passivity.tank")));
-  const server::Scene envelope = parse(with_option(kFinger, "unguarded {} monotone_envelope {}"));
-  EXPECT_THAT(envelope.warnings, ElementsAre(HasSubstr("no passivity.tank")));
   const server::Scene tank = parse(with_option(kFinger, "unguarded {} passivity { tank {} }"));
   EXPECT_THAT(tank.warnings, ElementsAre(HasSubstr("no direction_guard")));
 }
@@ -66,8 +63,6 @@ TEST(Safeguards, ErrorsNameConflictingWords) {
   expect_each_says({
       {"guard", with_option(kFinger, tank + "direction_guard {}"),
        "device[0].unguarded = { beside direction_guard and passivity.tank }: must be absent"},
-      {"envelope", with_option(kFinger, tank + "monotone_envelope {}"),
-       "device[0].unguarded = { beside monotone_envelope and passivity.tank }: must be absent"},
       {"nothing", with_option(kFinger, "unguarded {} passivity {}"), "device[0].passivity.tank"},
   });
 }

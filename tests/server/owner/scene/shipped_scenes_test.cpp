@@ -88,7 +88,7 @@ TEST(ShippedScenes, ResolvedTextReadsBackTheSame) {
 TEST(ShippedScenes, HaveGuardAndTank) {
   for (const auto& file : scenes_in(kScenes)) {
     for (const server::DeviceScene& device : server::load_scene(file).devices) {
-      EXPECT_TRUE(device.pipeline.guarded()) << file.filename();
+      EXPECT_TRUE(device.pipeline.scene.direction_guard) << file.filename();
       EXPECT_TRUE(device.pipeline.passivity.tank.enabled) << file.filename();
     }
   }

@@ -116,7 +116,7 @@ TEST_P(HandScenes, HoldTheirJointsAtThirtyDegrees) {
 }
 
 TEST_P(HandScenes, AreGuardedAndHaveATank) {
-  EXPECT_TRUE(device.pipeline.guarded());
+  EXPECT_TRUE(device.pipeline.scene.direction_guard);
   EXPECT_TRUE(device.pipeline.passivity.tank.enabled);
   EXPECT_EQ(device.pipeline.passivity.device_damping, VecA::Constant(5, 2.0));
 }

@@ -47,9 +47,6 @@ struct PipelineConfig {
   RenderSettings scene{};  ///< the widest settings; a session's are held within these
   Duration loop_late_fault{std::chrono::milliseconds(20)};
   int late_bucket_full{LateBucket::kFull};
-  /// core/METHOD.md#forces-at-the-finger, with one actuated DoF; with more of them it means the
-  /// direction guard.
-  bool monotone_envelope{false};
   PassivitySettings passivity{};  ///< energy tank and observer; off by default
   /// Lowers the stiffness to what the loop allows as it is measured, if passivity.device_damping is
   /// known and above 0 (core/METHOD.md#stiffness-in-effect).
@@ -57,10 +54,6 @@ struct PipelineConfig {
   std::vector<ActuatorRatings> ratings{};    ///< n_a, or none: power, rate and temperature
   ForceControlSettings force_control{};      ///< by the server; off by default
   std::optional<TrackerSettings> tracker{};  ///< absent: the device senses all of q
-
-  /// Has a direction guard or a monotone envelope. The renderer per contact needs neither, but a
-  /// session may choose another.
-  [[nodiscard]] bool guarded() const noexcept { return scene.direction_guard || monotone_envelope; }
 };
 
 class Pipeline {

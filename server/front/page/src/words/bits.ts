@@ -44,10 +44,6 @@ const LIMITERS: Record<string, [string, string]> = {
   ENERGY_TANK: ["Energy tank is empty", "A change that it cannot pay for was held back."],
   PASSIVITY: ["Damping added", "The passivity controller takes energy out."],
   INFEASIBLE_PLANES: ["Surfaces contradict each other", "The least bad position is used."],
-  MONOTONE_ENVELOPE: [
-    "Target taken from the way to the proxy",
-    "A point before the proxy was used, so that the force rises steadily.",
-  ],
   POWER: ["At the rated power", "The actuator would have given out more than its rated power."],
   RATE: ["At the rated speed", "The actuator does not push beyond its rated speed."],
   TEMPERATURE: ["Windings are warm", "Force is held at what their temperature allows."],

@@ -53,11 +53,6 @@ void RemoteSession::open() {
   connect(false);
   fetch_device();
   estimator_ = ContactEstimator(device_.coordinates, options_.blocks);
-  {
-    const std::lock_guard lock(mutex_);  // states may come
-    deadband_ = Deadband(device_.coordinates, options_.deadband, options_.nominal_rate_hz);
-    deadband_.begin(to_duration(opened_.fresh_end()));
-  }
   worker_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "haptic-client");
     work();

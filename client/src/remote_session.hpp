@@ -16,7 +16,6 @@
 #include "call.hpp"
 #include "callback.hpp"
 #include "force.hpp"
-#include "haptic/client/deadband.hpp"
 #include "haptic/client/estimator.hpp"
 #include "haptic/client/session.hpp"
 #include "newest_state.hpp"
@@ -167,9 +166,8 @@ class RemoteSession final : public Session {
   std::deque<Event> events_;
   std::int64_t newest_event_ns_{0};  ///< on the server's clock; what the next stream goes on from
   ContactEstimator estimator_{{}, {}};  ///< of SessionOptions::derive_planes
-  Deadband deadband_{{}, 0.0, 1.0};
-  bool was_free_{false};            ///< a free proxy was published under this lease
-  PublishStatistics statistics_{};  ///< `published` is the number of the newest sample
+  bool was_free_{false};                ///< a free proxy was published under this lease
+  PublishStatistics statistics_{};      ///< `published` is the number of the newest sample
   PublishStatistics earlier_{};  ///< of the streams before this one: the server counts per stream
 
   Force force_;

@@ -20,7 +20,7 @@ std::uint32_t microseconds(Duration duration) {
 
 }  // namespace
 
-/// `fill` completes the sample under mutex_, given its number; false: it is not sent.
+/// `fill` completes the sample under mutex_, given its number.
 template <typename Fill>
 void RemoteSession::publish_in_order(v1::SessionRequest& request, Fill fill) {
   const std::lock_guard in_order(publish_mutex_);
@@ -28,11 +28,7 @@ void RemoteSession::publish_in_order(v1::SessionRequest& request, Fill fill) {
   std::shared_ptr<UdpCarrier> udp;
   {
     const std::lock_guard lock(mutex_);
-    if (!fill(statistics_.published + 1)) {
-      ++statistics_.withheld;
-      return;
-    }
-    ++statistics_.published;
+    fill(++statistics_.published);
     if (reconnection_.open()) {
       was_free_ = was_free_ || (request.has_proxy() && request.proxy().mode() == kFree);
       stream = stream_;
@@ -64,10 +60,6 @@ void RemoteSession::publish(Proxy proxy) noexcept {
       to_contacts(proxy);
       statistics_.planes_left_out +=
           keep_deepest(device_.coordinates, proxy.position, given.x_probe, proxy.planes);
-      const std::vector<double> unknown;
-      if (!deadband_.is_news(number, proxy, used == given.seq ? given.x_probe : unknown, now)) {
-        return false;
-      }
       sample.set_source_time_ns(now.time_since_epoch().count());
       sample.set_seq(number);
       round_trip_.published(number, now);
@@ -92,7 +84,6 @@ void RemoteSession::publish(Proxy proxy) noexcept {
       }
       sample.set_device_seq_used(used);
       if (used != 0 && used == given.seq) sample.set_hold_us(microseconds(now - given.received));
-      return true;
     });
   } catch (...) {  // NOLINT(bugprone-empty-catch): out of memory loses this sample, not the caller
   }
@@ -105,10 +96,7 @@ void RemoteSession::publish_pose(const Pose& pose) noexcept {
     sample.set_valid_for_us(microseconds(pose.valid_for));
     sample.mutable_position()->Add(pose.position.begin(), pose.position.end());
     sample.mutable_orientation()->Add(pose.orientation.begin(), pose.orientation.end());
-    publish_in_order(request, [&](std::uint64_t number) {
-      sample.set_seq(number);
-      return true;
-    });
+    publish_in_order(request, [&](std::uint64_t number) { sample.set_seq(number); });
   } catch (...) {  // NOLINT(bugprone-empty-catch): out of memory loses this pose, not the caller
   }
 }

@@ -70,7 +70,6 @@ void RemoteSession::received(const v1::SessionOpened& opened) {
     was_free_ = false;
     force_.owe_release(false);
   }
-  deadband_.begin(to_duration(opened.fresh_end()));
   earlier_ = statistics_;
   reconnection_.opened();
 }
@@ -80,7 +79,6 @@ void RemoteSession::received(const v1::DeviceState& state) {
   if (!states_.take(to_state(state))) return;
   const DeviceState& newest = states_.newest();
   round_trip_.used(newest.proxy_seq_used, newest.received);
-  deadband_.used(newest.proxy_seq_used);
   if (force_.wanted() && had_force && !has_force(newest.state)) work_.notify_all();
   // A fault may have latched while the stream was down: its event is then never seen.
   if (newest.state == Lifecycle::kFault) force_.fault_seen(newest.received);

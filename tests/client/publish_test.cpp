@@ -119,38 +119,6 @@ TEST_F(Publish, TheServersCountsReachTheStatistics) {
   EXPECT_EQ(statistics.last_rejection, "position[0] = nan: must be finite");
 }
 
-TEST_F(Publish, WithholdsWhatTheServerHas) {
-  client::SessionOptions options{.deadband = 1e-3};
-  const auto session = open(options);
-  const std::vector<double> x(session->device().coordinates.size(), 0.5);
-  const std::vector<double> near(x.size(), 0.5009), far(x.size(), 0.6);
-  const auto used = [&](std::uint64_t seq, std::uint64_t sample) {
-    v1::SessionResponse message;
-    message.mutable_state()->set_seq(seq);
-    message.mutable_state()->set_proxy_seq_used(sample);
-    for (std::size_t i = 0; i < x.size(); ++i) message.mutable_state()->add_x_probe(1.0);
-    server.send(message);
-    ASSERT_EQ(session->wait_for_state().seq, seq);
-  };
-  used(4, 0);
-  session->publish(Proxy::held(x));
-  session->publish(Proxy::held(x));  // 1 may be lost
-  used(5, 2);
-  session->publish(Proxy::held(near));
-  EXPECT_EQ(session->statistics().withheld, 1U);
-  session->publish(Proxy::held(far));
-  ASSERT_TRUE(server.until([&] {
-    const auto samples = server.heard().samples;
-    return !samples.empty() && samples.back().seq() == 3;
-  }));
-  session->publish(Proxy::held(x));  // 3 may have come
-  used(6, 4);
-  session->publish(Proxy::held(x));
-  const auto statistics = session->statistics();
-  EXPECT_EQ(statistics.published, 4U);
-  EXPECT_EQ(statistics.withheld, 2U);
-}
-
 TEST_F(Publish, NamesTheStateItUsed) {
   const auto session = open();
   server.send_state(41);

@@ -23,7 +23,6 @@ struct Options {
   std::vector<std::string> motions{};
   std::string object{}, peer{}, summary{};
   std::optional<double> round_trip{}, rate{}, lost{};
-  double deadband{0.0};
   bool trace{false}, cost{false};
 };
 
@@ -39,7 +38,7 @@ std::vector<RttRun> runs(const Options& options) {
     if (!chosen(options.peer, name(peer))) continue;
     if (options.round_trip || options.rate || options.lost) {
       all.push_back({peer, options.round_trip.value_or(0.0) / kMilli, options.rate.value_or(60.0),
-                     options.lost.value_or(0.0) / 100.0, options.deadband});
+                     options.lost.value_or(0.0) / 100.0});
       continue;
     }
     for (const double round_trip : kRoundTrips) all.push_back({peer, round_trip});
@@ -107,8 +106,7 @@ void print_cost(const Options& options) {
   for (const RttScene& scene : scenes(options)) {
     for (const RttPeer peer :
          {RttPeer::kContacts, RttPeer::kEstimated, RttPeer::kPlanes, RttPeer::kHeld}) {
-      const RttCost c =
-          cost(scene, {.peer = peer, .round_trip_s = kOneRoundTrip, .deadband = options.deadband});
+      const RttCost c = cost(scene, {.peer = peer, .round_trip_s = kOneRoundTrip});
       row(scene.name, name(peer), c.tick, c.sample, c.client_step);
     }
     std::fflush(stdout);
@@ -141,9 +139,6 @@ void add_rtt(CLI::App& app) {
       ->check(CLI::Range(30.0, 1000.0));
   command->add_option("--lost", o->lost, "samples that are lost, % (0)")
       ->check(CLI::Range(0.0, 50.0));
-  command
-      ->add_option("--deadband", o->deadband, "of contacts with a choice or --cost, m or rad (0)")
-      ->check(CLI::Range(0.0, 0.1));
   command->add_option("--summary", o->summary, "writes what must hold, and whether it does");
   command->add_flag("--trace", o->trace, "the first actuator's force, tick by tick");
   command->add_flag("--cost", o->cost, "what contacts cost, at 100 ms");

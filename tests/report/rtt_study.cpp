@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "haptic/client/deadband.hpp"
 #include "haptic/client/estimator.hpp"
 #include "haptic/core/error.hpp"
 #include "tests/support/loop/local_laws.hpp"
@@ -41,8 +40,6 @@ std::function<void(test::Frame&)> simulation(const RttScene& scene,
     coordinates.push_back({c.name, c.unit == core::Unit::kMetre ? "m" : "rad", "linear"});
   }
   const auto estimator = std::make_shared<client::ContactEstimator>(coordinates, scene.blocks);
-  const auto deadband = std::make_shared<client::Deadband>(coordinates, how.deadband, how.rate_hz);
-  deadband->begin(core::default_fresh_end(how.rate_hz));
   return [=, blocks = scene.blocks](test::Frame& frame) {
     frame.x = object->proxy(frame.computed_s, frame.x_probe);
     if (peer == RttPeer::kHeld || peer == RttPeer::kHeldForce || peer == RttPeer::kTdpa) return;
@@ -59,12 +56,6 @@ std::function<void(test::Frame&)> simulation(const RttScene& scene,
       planes = client::derive_planes(coordinates, to_std(frame.x), x_probe, blocks);
     }
     client::keep_deepest(coordinates, to_std(frame.x), x_probe, planes);
-    if (peer == RttPeer::kContacts && how.deadband > 0.0) {
-      const auto now = Clock::time_point(span(frame.computed_s));
-      deadband->used(frame.used);
-      frame.withheld = !deadband->is_news(frame.seq, client::Proxy::behind(planes, to_std(frame.x)),
-                                          x_probe, now);
-    }
     if (library_ns != nullptr) {
       library_ns->push_back(std::chrono::duration<double, std::nano>(Clock::now() - begun).count());
     }

@@ -59,7 +59,6 @@ struct RttRun {
   double round_trip_s{0.0};
   double rate_hz{60.0};  ///< 1000: every tick, without jitter; else jitter 30 % of the period
   double lost{0.0};
-  double deadband{0.0};  ///< of the client library, m or rad; contacts alone
 };
 
 struct RttTick {

@@ -75,16 +75,15 @@ class Connection:
 
     def session(self, *, client_name: str, nominal_rate_hz: float, device: str = "",
                 observer: bool = False, tracker: bool = False, state_rate_hz: float | None = None,
-                carriers: Carriers = Carriers.BEST, deadband: float = 0.0) -> Session:
+                carriers: Carriers = Carriers.BEST) -> Session:
         """Opens a session and waits until the server agrees. Close it, or use it in `with`. States
         come at `state_rate_hz`; None: at the nominal rate; 0: every tick, which is much for Python.
         An `observer` only receives; a `tracker` publishes poses of the palm that carries the device
-        (publish_pose()). A session is not both. publish() withholds a sample that would move the
-        server's proxy by no more than `deadband`, m or rad of each coordinate."""
+        (publish_pose()). A session is not both."""
         rate = nominal_rate_hz if state_rate_hz is None else state_rate_hz
         return Session(self._stub, self._address, service_device=device, client_name=client_name,
                        nominal_rate_hz=nominal_rate_hz, observer=observer, tracker=tracker,
-                       state_rate_hz=rate, carriers=carriers, deadband=deadband)
+                       state_rate_hz=rate, carriers=carriers)
 
     def watch(self, device: str = "", rate_hz: float = 30.0) -> Iterator[DeviceState | Event]:
         """States and events of a device until the server ends, or the iterator is closed."""

@@ -10,7 +10,6 @@ from typing import Any
 
 import grpc
 
-from ._deadband import Deadband
 from ._errors import PASSING, ClientError, ask, to_error
 from ._round_trip import RoundTrip
 from ._sample import to_sample, with_deepest
@@ -34,7 +33,7 @@ class Session:
 
     def __init__(self, stub: Any, address: str, *, service_device: str, client_name: str,
                  nominal_rate_hz: float, observer: bool, tracker: bool, state_rate_hz: float,
-                 carriers: Carriers, deadband: float) -> None:
+                 carriers: Carriers) -> None:
         if observer and tracker:
             raise ClientError("INVALID_ARGUMENT",
                               "observer, tracker: must not be true both, a session has one role")
@@ -48,7 +47,7 @@ class Session:
         self._tracker = tracker
         self._waiting: wire.SessionRequest | None = None  # to be sent on the stream
         self._newest: wire.ProxySample | None = None
-        self._seq = self._withheld = self._replaced = self._planes_left_out = 0
+        self._seq = self._replaced = self._planes_left_out = 0
         self._round_trip = RoundTrip()
         self._ended: ClientError | None = None
         self._closing = False
@@ -67,8 +66,6 @@ class Session:
             devices = ask(stub.ListDevices, service.ListDevicesRequest()).devices
             self._kinds = next((tuple(c.kind for c in device.coordinates) for device in devices
                                 if device.name == self._opened.device), ())
-            self._deadband = Deadband(self._kinds, deadband, self._period_s,
-                                      self._opened.fresh_end.ToNanoseconds() * 1e-9)
             self._udp = open_udp(self._opened, address, self._period_s, self._on_udp_state,
                                  self._on_udp_late)
         except BaseException:  # the caller gets no session to close: give the lease back now
@@ -113,9 +110,6 @@ class Session:
             x_probe = used.x_probe if used else ()
             fitting = with_deepest(proxy, x_probe, self._kinds)
             self._planes_left_out += len(proxy.planes) - len(fitting.planes)
-            if not self._deadband.is_news(self._seq + 1, fitting, x_probe, time.monotonic()):
-                self._withheld += 1
-                return 0
             self._seq += 1
             self._round_trip.published(self._seq)
             self._newest = to_sample(fitting, self._seq, used.seq if used else 0)
@@ -233,7 +227,7 @@ class Session:
             a = self._ack
             return SampleCounts(self._seq, self._replaced, a.accepted, a.rejected_old,
                                 a.rejected_invalid, a.conflated_backlog, a.last_rejection,
-                                self._planes_left_out, self._withheld)
+                                self._planes_left_out)
 
     @property
     def round_trip_s(self) -> float:
@@ -284,7 +278,6 @@ class Session:
                 if self._state is None or response.state.seq > self._state.seq:
                     self._state = DeviceState.of(response.state)
                     self._round_trip.used(self._state.proxy_seq_used)
-                    self._deadband.used(self._state.proxy_seq_used)
             elif response.HasField("event"):
                 self._events.append(Event.of(response.event))
                 if response.event.kind == wire.Event.KIND_FAULT:

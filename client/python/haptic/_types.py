@@ -122,8 +122,7 @@ class Event:
 @dataclasses.dataclass(frozen=True, slots=True)
 class SampleCounts:
     """What became of the samples of a session; `replaced`: by newer ones before they were sent;
-    `planes_left_out`: of a sample, beyond the 32 deepest and the 8 deepest contacts of a block;
-    `withheld`: by the deadband, and not among the published."""
+    `planes_left_out`: of a sample, beyond the 32 deepest and the 8 deepest contacts of a block."""
 
     published: int
     replaced: int
@@ -133,7 +132,6 @@ class SampleCounts:
     conflated_backlog: int
     last_rejection: str
     planes_left_out: int = 0
-    withheld: int = 0
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

@@ -61,11 +61,9 @@ void RemoteClient::look(double t_s, const core::VecQ& q, const core::VecX& x_pro
   frame.seq = ++seq_;
   frame.q = q;
   frame.x_probe = x_probe;
-  frame.used = newest_.seq;
   frame.computed_s = t_s + 0.5 * settings_.delay_s;
   put_proxy(frame);
   frame.contact = frame.x != x_probe;
-  if (frame.withheld) return;
   const bool lost = random_.uniform() < settings_.lost;
   const double late = settings_.disorder ? 2.0 * random_.uniform() * period : 0.0;
   if (lost) return;

@@ -27,8 +27,6 @@ struct Frame {
   bool contact{false};     ///< x is not simply the probe
   core::PlaneSet walls{};  ///< as the simulation had them; none: its stops counted
   bool anchored{false};    ///< they are contacts with ids
-  std::uint64_t used{0};   ///< seq of the sample that the pipeline used at the look; 0: none
-  bool withheld{false};    ///< it is not sent
 };
 
 /// What a law between two samples may look at.
@@ -60,7 +58,7 @@ struct ClientSettings {
   /// Instead of both: a curved object, as the planes that touch it where it is nearest to x_probe.
   std::function<core::PlaneSet(const core::VecX& x_probe)> object{};
   /// Instead of all of these: from what the frame knows of the device it computes x, walls (which
-  /// are sent as they are), contact, anchored and withheld. With a mode of held, x alone is sent.
+  /// are sent as they are), contact and anchored. With a mode of held, x alone is sent.
   std::function<void(Frame& frame)> simulate{};
   double rate_hz{60.0};  ///< > 0
   double delay_s{0.0};   ///< from the look at the device to the sample's arrival, >= 0

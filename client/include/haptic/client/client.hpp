@@ -18,7 +18,6 @@
 
 #include "haptic/client/connection.hpp"
 #include "haptic/client/contact.hpp"
-#include "haptic/client/deadband.hpp"
 #include "haptic/client/error.hpp"
 #include "haptic/client/estimator.hpp"
 #include "haptic/client/link.hpp"

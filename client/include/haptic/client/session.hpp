@@ -69,9 +69,6 @@ struct SessionOptions {
   /// that is held from the start does not say on which side of an object the probe is.
   bool derive_planes{false};
   std::vector<Block> blocks{};  ///< empty: all coordinates are one block
-  /// publish() withholds a sample that would move the server's proxy by no more than this, m or
-  /// rad of each coordinate: Deadband in deadband.hpp. 0: it sends every one.
-  double deadband{0.0};
   /// Ages of a sample at which it stops being fresh, its force begins to fade, and its force is
   /// zero. Each can shorten the scene's limit, not lengthen it.
   std::optional<std::chrono::nanoseconds> fresh_end{}, hold_end{}, fade_end{};
@@ -116,7 +113,6 @@ class Session {
 
   /// Sends where the proxy is now. Never waits for the network, never throws. The newest sample
   /// wins: one that could not be sent yet is replaced and counted; without a stream it is dropped.
-  /// One that is within SessionOptions::deadband of what the server has is withheld and counted.
   /// If `proxy.device_seq_used` is 0, the library takes the proxy to be computed from the last
   /// state that a call or a callback gave you.
   virtual void publish(Proxy proxy) noexcept = 0;

@@ -150,8 +150,7 @@ struct UdpLink {
 /// conflated still waits, or was dropped because there was no stream. A sample that went both by
 /// UDP and by the stream, because the UDP path may have failed, counts twice in `sent`.
 struct PublishStatistics {
-  std::uint64_t published{0};        ///< by publish(), less those withheld; number of the newest
-  std::uint64_t withheld{0};         ///< by publish(): SessionOptions::deadband
+  std::uint64_t published{0};        ///< by publish(); number of the newest
   std::uint64_t sent{0};             ///< handed to a carrier
   std::uint64_t conflated{0};        ///< replaced by a newer one before they could be sent
   std::uint64_t planes_left_out{0};  ///< of a sample, by keep_deepest() in planes.hpp

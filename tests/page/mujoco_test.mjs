@@ -1,9 +1,9 @@
 // The page mujoco.html of a running hapticd, against haptic-example-mujoco with the same device,
 // motion and model: how strong the force is, how long a frame keeps a core, and what the page says
 // and shows. By the clock a frame takes longer, because Chromium paints by software on the same
-// cores: that is reported. With $HAPTIC_CALM, on a machine that does nothing else, also a frame of
-// the hand, and the force of the box, which slides away while it is pressed, so that it depends on
-// how time passes in both simulations:
+// cores: that is reported. With $HAPTIC_CALM, on a machine that does nothing else, it judges what a
+// busy machine changes: how long a frame keeps a core, and how far the forces are from the native
+// client's. Without it, the ball must be felt, by samples in time, with at least half of that force.
 //
 //   ctest --preset release -R page.mujoco_calm -V      prints these figures
 import assert from "node:assert/strict";
@@ -47,9 +47,10 @@ function motion(folder) {
 async function forcesOfGrasp(watch) {
   const held = [{ from: 1.2, to: 2.2, forces: [] }, { from: 3.2, to: 4.7, forces: [] }];
   for (let begin, at = 0; at < held.at(-1).to;) {
-    const { tauA: [force], serverTimeNs } = await watch.waitForState();
+    const { tauA: [force], serverTimeNs, gain } = await watch.waitForState();
     if (Math.abs(force) > 0.02) begin ??= serverTimeNs;
     at = begin === undefined ? 0 : Number(serverTimeNs - begin) * 1e-9;
+    if (gain < 1) continue;  // its sample is late
     held.find(({ from, to }) => at > from && at < to)?.forces.push(Math.abs(force));
   }
   return held.map(({ forces }) => forces.sort((a, b) => a - b)[forces.length >> 1]);
@@ -71,15 +72,14 @@ async function handPresses(watch) {
   }
 }
 
-/** What of a core the worker takes for a frame until `over` is kept; fails if `judged` and it is
- * too much. */
-async function frameOfCore(over, judged = true) {
+/** What of a core the worker takes for a frame until `over` is kept. */
+async function frameOfCore(over) {
   const computed = await workerTimes(over);
   await over;
   assert.ok(computed.length > 100);
   const [half, most] = [0.5, 0.99].map(
     (part) => computed[Math.floor(part * (computed.length - 1))]);
-  assert.ok(!judged || most <= LONGEST_MS, `${most} ms of a core`);
+  assert.ok(!CALM || most <= LONGEST_MS, `${most} ms of a core`);
   return `${half.toFixed(1)} ms, 99 % within ${most.toFixed(1)} ms`;
 }
 
@@ -136,7 +136,7 @@ test("a MuJoCo scene in the browser", { timeout: 600000 }, async (t) => {
     const expected = await forcesOfGrasp(reference);
     console.log(`ball, then box too: ${forces} N, natively ${expected} N`);
     const [ball, both] = expected.map((force, i) => Math.abs(forces[i] - force) / force);
-    assert.ok(ball <= WITHIN);
+    assert.ok(ball <= (CALM ? WITHIN : 0.5));
     if (CALM) assert.ok(both <= WITHIN);
   });
 
@@ -154,7 +154,7 @@ test("a MuJoCo scene in the browser", { timeout: 600000 }, async (t) => {
     await says(page, "#said", /not for this device/);
     await says(page, "#state", /^Force is on/);
     const ofCore = await frameOfCore(handPresses(watch)
-      .then(() => says(page, "#pushed", /The box has moved by \d+ mm/)), CALM);
+      .then(() => says(page, "#pushed", /The box has moved by \d+ mm/)));
     const timing = await page.evaluate(() => document.getElementById("timing").textContent);
     console.log(`a frame of the hand ${timing}; of a core ${ofCore}`);
     await page.screenshot({ path: PICTURE.replace(/\.png$/, "-hand.png"), fullPage: true });

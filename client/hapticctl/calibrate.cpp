@@ -17,8 +17,8 @@ namespace haptic::ctl {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DofCalibration, name, scale, offset, lower, upper)
 namespace {
 
-/// A device behind hapticd. As a controller that publishes "free" it keeps the device armed at zero
-/// force, so that a device that holds itself when it is off gives way to the hand.
+/// A device behind hapticd. It is a controller that publishes "free" and keeps the device armed at
+/// zero force, so that a device that holds itself when it is off gives way to the hand.
 class ServedSensors final : public Sensors {
  public:
   ServedSensors(client::Connection& server, const std::string& device)

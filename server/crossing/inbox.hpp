@@ -12,7 +12,7 @@
 namespace haptic::server {
 
 /// The last N values that the front wrote; a writer that is faster than the reader overwrites the
-/// oldest. N is a power of two. Of a T with told_bytes() only these are written and copied.
+/// oldest. N is a power of two. If T has told_bytes(), only these are written and copied.
 template <typename T, std::size_t N>
 class Inbox {
   static_assert(std::is_trivially_copyable_v<T> && (N & (N - 1)) == 0);

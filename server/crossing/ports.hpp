@@ -36,7 +36,7 @@ class FrontPort {
   /// Once per request, to every front: the id says whose it is. No lock is held; on the thread that
   /// posted the request, or the telemetry drain's.
   virtual void on_answer(const Answer& answer) { static_cast<void>(answer); }
-  /// Once per sample that was posted, to every front: the ticket says whose it is. As on_answer().
+  /// Once per sample that was posted, to every front: the ticket says whose it is. See on_answer().
   virtual void on_judged(const Judged& judged) { static_cast<void>(judged); }
   /// In the order in which things happened. Under the owner's lock: only stores the event.
   virtual void on_event(std::size_t device, const DeviceEvent& event) {

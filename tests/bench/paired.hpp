@@ -58,7 +58,7 @@ struct Figure {
 /// One CSV line each:
 /// what,against,unit,ours,theirs,ratio,lower,upper,aa_lower,aa_upper,target,verdict. Verdict: "met"
 /// or "missed" if the whole interval is, and the ratio is further from the target than the A/A
-/// interval is wide; otherwise "not shown". Of differences: "more" in place of "ratio".
+/// interval is wide; otherwise "not shown". Differences have "more" in place of "ratio".
 void print_header(Pairs pairs = Pairs::kRatio);
 void print(const Row& row);
 void print(const Figure& figure);

@@ -29,7 +29,7 @@ export const Proxy = {
    * which side of an object the probe is. */
   held: (x: number[]): Proxy => ({ mode: ProxyMode.HELD, position: x }),
   /** The server keeps the probe out of `planes` at 1 kHz; `x` is where they are linearised. Force
-   * may begin inside an object. Of more than MAX_PLANES the deepest are sent. */
+   * may begin inside an object. The deepest MAX_PLANES are sent. */
   behind: (planes: Plane[], x: number[]): Proxy =>
     ({ mode: ProxyMode.PLANES, position: x, planes }),
   /** Nothing is in the way: no force, and no drag. */

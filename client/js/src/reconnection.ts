@@ -1,5 +1,5 @@
-/** Whether a session has a stream, and when the next attempt at one is due. As the C++ client's
- * class of this name; it reads no clock and opens no stream. */
+/** Knows if a session has a stream, and when the next attempt at one is due. Like the C++ client's
+ * class of this name it reads no clock and opens no stream. */
 import { ClientError, mayPass } from "./errors.js";
 import { Event_Kind } from "./gen/haptic/v1/session_pb.js";
 import type { Event } from "./gen/haptic/v1/session_pb.js";

@@ -78,8 +78,8 @@ class Surroundings {
     std::size_t i{0}, k{0};
     double value{0.0};
   };
-  /// True if a row is a spring now: it pushes, and does not slip. By its force, because MuJoCo 3
-  /// leaves efc_state as it was where it solves islands.
+  /// True if a row is a spring now: it pushes, and does not slip. Its force says so, because MuJoCo
+  /// 3 leaves efc_state as it was where it solves islands.
   [[nodiscard]] bool counts(const mjModel& model, const mjData& data, int row) const;
   void find_dofs(const mjModel& model, const mjData& data, const std::set<int>& touched);
   void find_masses(const mjModel& model, mjData& data);

@@ -13,8 +13,8 @@ namespace haptic::core {
 
 class Actuation {
  public:
-  /// The model's kinematics must outlive this. Of the configuration it reads what RenderedSpring
-  /// does, ratings and force_control.
+  /// The model's kinematics must outlive this. It reads from the configuration what
+  /// RenderedSpring does, ratings and force_control.
   Actuation(const ProjectionModel& model, const PipelineConfig& config);
 
   /// `at`: the rendering's, of this tick.

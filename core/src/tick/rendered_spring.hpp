@@ -14,7 +14,7 @@ namespace haptic::core {
 
 class RenderedSpring {
  public:
-  /// The model's kinematics must outlive this. Of the configuration it reads scene, passivity
+  /// The model's kinematics must outlive this. It reads from the configuration scene, passivity
   /// and device.sample_period.
   RenderedSpring(const ProjectionModel& model, const PipelineConfig& config);
 

@@ -70,8 +70,8 @@ void set_limits(grpc::ServerBuilder& builder, const ServiceConfig& config) {
 }
 
 /// Sends the messages of gRPC and protobuf to the server's log: by themselves they would write to
-/// standard error and wait for its reader. As debug, because the server reports in its own words
-/// why a call or a start failed, and the sender of a wrong message gets an answer.
+/// standard error and wait for its reader. They are debug, because the server reports in its own
+/// words why a call or a start failed, and the sender of a wrong message gets an answer.
 void take_library_logs() {
   gpr_set_log_function([](gpr_log_func_args* word) { spdlog::debug("gRPC: {}", word->message); });
   google::protobuf::SetLogHandler([](google::protobuf::LogLevel level, const char* /*file*/,

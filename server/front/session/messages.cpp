@@ -181,10 +181,10 @@ Outcome<SettingsRequest> from_proto(const v1::UpdateSettingsRequest& message) {
   request.damping = numbers<Values>(message.damping());
   request.force_limit = numbers<Values>(message.force_limit());
   request.slew_limit = numbers<Values>(message.slew_limit());
-  if (message.renderer() < v1::RENDERER_UNSPECIFIED ||
-      message.renderer() > v1::RENDERER_PER_CONTACT) {
+  if (!v1::Renderer_IsValid(message.renderer())) {
     return Refusal{Refusal::Code::kInvalid, "INVALID_ARGUMENT",
-                   "renderer = " + std::to_string(message.renderer()) + ": must be 1..5",
+                   "renderer = " + std::to_string(message.renderer()) + ": must be 1.." +
+                       std::to_string(v1::Renderer_MAX),
                    "renderer"};
   }
   if (message.renderer() != v1::RENDERER_UNSPECIFIED) {

@@ -1,6 +1,6 @@
 #pragma once
 /// One device with its pipeline and its mailboxes: here the real-time side and the rest of the
-/// server meet. Steps 1 to 13 of core/README.md#one-tick are its tick().
+/// server meet. Rows 1 to 12 of core/README.md#one-tick are its tick().
 
 #include <atomic>
 #include <memory>

@@ -1,7 +1,7 @@
 #pragma once
 /// A simulation behind a network, in virtual time: at its own rate it sees the haptic probe,
 /// computes the proxy (the probe clipped at stops or kept out of walls), and its sample arrives at
-/// the pipeline after a delay. As in the ingress, an older sample never replaces a newer one.
+/// the pipeline after a delay. An older sample never replaces a newer one.
 
 #include <functional>
 #include <memory>

@@ -41,7 +41,7 @@ core::PipelineConfig pipeline_for(const WallRun& what) {
   return c;
 }
 
-/// When the hand begins, s. Of what is lost or out of order ten samples take longer.
+/// When the hand begins, s. Ten samples take longer if some are lost or out of order.
 double begin_of(const WallRun& what) {
   const double arrive = (1.0 - what.client.lost) * (what.client.disorder ? 0.5 : 1.0);
   return kEngage_s / arrive + kRamp_s;

@@ -6,8 +6,8 @@
 
 #define HAPTIC_MAX_POINT_COORDINATES 8 /* that one point depends on */
 
-/* A half space that the proxy must stay in, normal . x <= offset; or a contact. Of a contact with
- * this gap (> 0: not touched) and gradient of the gap at x: normal = -gradient, offset = gap +
+/* A half space that the proxy must stay in, normal . x <= offset; or a contact. A contact with
+ * this gap (> 0: not touched) and gradient of the gap at x has normal = -gradient, offset = gap +
  * normal . x. The other fields say how the object gives way and moves (proto/README.md, Contacts);
  * 0 is a rigid plane at rest. */
 typedef struct haptic_plane {

@@ -141,7 +141,7 @@ typedef struct haptic_pose {
   uint32_t valid_for_us; /* it may count as fresh for so long; 0: as the scene says */
 } haptic_pose;
 
-/* One value per actuated DoF. As a wish, a count of 0 leaves a list unchanged. */
+/* One value per actuated DoF. In a wish a count of 0 leaves a list unchanged. */
 typedef struct haptic_settings {
   size_t size;
   haptic_dofs stiffness, damping, force_limit, slew_limit;

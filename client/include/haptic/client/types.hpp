@@ -106,9 +106,9 @@ struct Plane {
   std::optional<double> uncertainty{};
   /// Contacts with the same `object` push the same body: a push at one moves the others too. 0: no
   /// other contact is on the body. An object needs a mass and a direction.
-  /// `object_direction`: how the contact pushes the body, 1 to 6 numbers, a vector of length 1. Of
-  /// a body that does not turn it is the outward normal n. Of a body that turns, with inertia M and
-  /// Jacobian J of the contact's point, it is M^-1/2 J^T n divided by its length.
+  /// `object_direction`: how the contact pushes the body, 1 to 6 numbers, a vector of length 1. For
+  /// a body that does not turn it is the outward normal n. For a body that turns, with inertia M
+  /// and Jacobian J of the contact's point, it is M^-1/2 J^T n divided by its length.
   std::uint32_t object{0};
   std::vector<double> object_direction{};
 };
@@ -119,8 +119,8 @@ struct Proxy {
   std::vector<double> position{};    ///< x, per coordinate; may be empty if free
   std::uint64_t device_seq_used{0};  ///< `seq` of the state it was computed from; 0: the last given
   std::chrono::microseconds valid_for{0};  ///< may count as fresh for so long; 0: as the scene says
-  std::vector<Plane> planes{};             ///< of kPlanes; none: nothing in the way. Of more than
-                                           ///< kMaxPlanes the deepest are sent
+  std::vector<Plane> planes{};             ///< of kPlanes; none: nothing in the way. The deepest
+                                           ///< kMaxPlanes are sent
 
   /// The proxy stays at `x` until the next sample. A coordinate in which `x` is the x_probe of
   /// `device_seq_used` follows the probe instead, as if free, unless the sample before held it at

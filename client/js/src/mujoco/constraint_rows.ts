@@ -10,8 +10,8 @@ export interface ConstraintRows {
   R: Float64Array;
   /** An edge of a pyramid of friction. */
   isEdge(row: number): boolean;
-  /** Whether a row is a spring now: it pushes, and does not slip. By its force, because MuJoCo 3
-   * leaves efc_state as it was where it solves islands. */
+  /** True if a row is a spring now: it pushes, and does not slip. Its force says so, because MuJoCo
+   * 3 leaves efc_state as it was where it solves islands. */
   isSpring(row: number): boolean;
   /** The contact that a row is of; undefined: another constraint's. */
   contactOf(row: number): EngineContact | undefined;

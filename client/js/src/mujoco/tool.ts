@@ -193,7 +193,7 @@ export class Tool {
 
   /** The tool begins again where the model has it, as a late join: until it came to the probe, see
    * Jumps, nothing is told, and what it is inside of does not count. Call it after you moved the
-   * model yourself (qpos). By itself it happens if data.time is not that of the next step: after
+   * model yourself (qpos). It happens by itself if data.time is not that of the next step: after
    * mj_resetData, a key of another time, a bad state, or steps without pull(). Runs mj_forward. */
   restart(): void {
     const { mj, model, data } = this.#engine;

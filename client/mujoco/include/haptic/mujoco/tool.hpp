@@ -95,7 +95,7 @@ class Tool {
 
   /// The tool begins again where the model has it, as a late join: until it came to the probe, see
   /// ToolOptions::jump_m, nothing is told, and what it is inside of does not count. Call it after
-  /// you moved the model yourself (qpos). By itself it happens if data->time is not that of the
+  /// you moved the model yourself (qpos). It happens by itself if data->time is not that of the
   /// next step: after mj_resetData, a key of another time, a bad state, or steps without pull().
   /// Runs mj_forward.
   void restart();

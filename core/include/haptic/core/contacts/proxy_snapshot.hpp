@@ -63,7 +63,7 @@ struct PlaneSet {
   Offsets ids{};      ///< what names a contact with a law from sample to sample; 0: nothing
   Objects objects{};  ///< of size 0 if no two contacts push one object
   /// u >= 0: the contact's stiffness lies within 1 - u and 1 + u times what gamma says; 0: it is
-  /// exact. Of size 0 too if one of the contacts does not say it.
+  /// exact. Its size is 0 too if one of the contacts does not say it.
   Offsets uncertainty{};
   /// H, contact after contact: the lower triangle, row by row.
   Curvatures curvature{};

@@ -1,7 +1,7 @@
 #pragma once
 /// The error of the proxy, as it is at the actuators (core/METHOD.md#error-bound): by the
-/// renderer's own sensitivity, block by block. Of the rule per contact: of Eq. (8) behind it, which
-/// BlockRenderer::widen() goes on from. Not offered with a prior.
+/// renderer's own sensitivity, block by block. The rule per contact has that of Eq. (8) behind
+/// it, from which BlockRenderer::widen() goes on. Not offered with a prior.
 
 #include <vector>
 

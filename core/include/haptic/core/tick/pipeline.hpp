@@ -1,5 +1,5 @@
 #pragma once
-/// One tick as a pure function of its input: steps 3 to 11 of core/README.md#one-tick, and the only
+/// One tick as a pure function of its input: rows 3 to 10 of core/README.md#one-tick, and the only
 /// place where core's parts are put together. It owns every temporary, and the device's state and
 /// gain.
 

@@ -56,14 +56,14 @@ void require_rotations_apart(const ConfigurationSpace& space, const TaskMetric& 
     if (metric.separates(first, 4)) continue;
     throw SceneError("task metric: W ties the rotation of coordinates " + std::to_string(first) +
                      " to " + std::to_string(first + 3) +
-                     " to other coordinates: must be 0 there, for q and -q are one rotation");
+                     " to other coordinates: must be 0 there, because q and -q are one rotation");
   }
 }
 
 void check(const Kinematics& kinematics, const ProjectionSettings& settings) {
   const ConfigurationSpace& space = kinematics.space();
   if (settings.metric.is_identity() && space.mixes_units()) {
-    throw SceneError("task metric: must be given, for X has coordinates in m and in rad");
+    throw SceneError("task metric: must be given, because X has coordinates in m and in rad");
   }
   if (!settings.metric.is_identity() && settings.metric.n_x() != space.n_x()) {
     throw SceneError("task metric for " + std::to_string(settings.metric.n_x()) +
@@ -81,7 +81,7 @@ void check(const Kinematics& kinematics, const ProjectionSettings& settings) {
   }
   VecQ q = VecQ::Zero(kinematics.layout().n_q());
   if (kinematics.inverse(VecX::Zero(space.n_x()), q) != InverseStatus::kNotOffered) {
-    throw SceneError("prior: must be absent, for this map has an inverse in closed form");
+    throw SceneError("prior: must be absent, because this map has an inverse in closed form");
   }
   const int n_n = kinematics.layout().n_n();
   if (prior.sensed_stiffness.size() != n_n) {
@@ -207,7 +207,7 @@ void require_rank(const ProjectionModel& model) {
     worse += !(solver.condition() <= kWellConditioned);
   });
   if (2 * worse < found || found == 0) return;
-  throw SceneError("prior: must be given, for the condition of J exceeds " +
+  throw SceneError("prior: must be given, because the condition of J exceeds " +
                    std::to_string(static_cast<int>(kWellConditioned)) + " in " +
                    std::to_string(worse) + " of " + std::to_string(found) +
                    " poses: x does not determine q");

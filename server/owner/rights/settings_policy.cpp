@@ -80,7 +80,7 @@ Outcome<SettingsAnswer> apply_settings(const SettingsRequest& request,
       return Refusal{
           Refusal::Code::kPrecondition,
           "STIFFNESS_COUPLED",
-          "renderer: must be subspace_linear or subspace_exact, for the scene's stiffness "
+          "renderer: must be subspace_linear or subspace_exact, because the scene's stiffness "
           "matrix is not diagonal; asked for " +
               std::string(core::name(*request.renderer)),
           {}};

@@ -184,7 +184,7 @@ void check_force_control(ForceControlPlace place, const hw::DeviceInfo& device) 
     case ForceControlPlace::kBoard:
       require(device.closes_force_loop,
               "board {}: this device does not close the loop on its force; must be server or "
-              "admittance, where it measures force");
+              "admittance, if it measures force");
       return;
     case ForceControlPlace::kServer:
       require(device.measures_force, "server {}: this device measures no force");

@@ -46,7 +46,7 @@ core::TaskMetric read_metric(const Part<v1::MetricScene>& part,
   const int n_x = space.n_x();
   if (part->w_size() > 0) {
     if (part->has_scale_m() || part->has_scale_rad()) {
-      part.wrong("W", "{ beside scales }", "must be either W or scale_m and scale_rad");
+      part.wrong("W", "{ with scales }", "must be either W or scale_m and scale_rad");
       return {};
     }
     const auto W = part.list({"W", Allowed::kFinite, n_x * n_x, "pair of coordinates"});
@@ -110,7 +110,7 @@ core::RendererKind read_renderer(const Part<v1::DeviceScene>& part) {
 void read_stiffness_matrix(const Part<v1::ImpedanceScene>& part, int n_a,
                            core::PipelineConfig& pipeline) {
   if (part->stiffness_n_per_m_size() > 0) {
-    part.wrong("stiffness_matrix", "{ beside stiffness_n_per_m }",
+    part.wrong("stiffness_matrix", "{ with stiffness_n_per_m }",
                "must be either stiffness_matrix or stiffness_n_per_m");
     return;
   }
@@ -160,7 +160,7 @@ void check_coupling(const Fields& part, const core::PipelineConfig& pipeline) {
   const core::RendererKind renderer = pipeline.scene.renderer;
   if (!core::renders_Z_q(renderer)) {
     part.wrong("renderer", std::string(core::name(renderer)),
-               "must be subspace_linear or subspace_exact beside a stiffness_matrix that is not "
+               "must be subspace_linear or subspace_exact with a stiffness_matrix that is not "
                "diagonal: the others have a virtual stiffness of their own");
   }
   if (!pipeline.kinematics) return;

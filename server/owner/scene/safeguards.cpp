@@ -28,7 +28,7 @@ void add_guard(const Part<v1::DeviceScene>& part) {
   if (!part->has_unguarded()) {
     part->mutable_direction_guard();
   } else if (part->has_direction_guard() && part->passivity().has_tank()) {
-    part.wrong("unguarded", "{ beside direction_guard and passivity.tank }",
+    part.wrong("unguarded", "{ with direction_guard and passivity.tank }",
                "must be absent: both are named, so it leaves nothing out");
   }
 }

@@ -62,7 +62,7 @@ TEST(Safeguards, ErrorsNameConflictingWords) {
   const std::string tank = "unguarded {} passivity { tank {} } ";
   expect_each_says({
       {"guard", with_option(kFinger, tank + "direction_guard {}"),
-       "device[0].unguarded = { beside direction_guard and passivity.tank }: must be absent"},
+       "device[0].unguarded = { with direction_guard and passivity.tank }: must be absent"},
       {"nothing", with_option(kFinger, "unguarded {} passivity {}"), "device[0].passivity.tank"},
   });
 }

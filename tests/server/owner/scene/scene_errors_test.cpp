@@ -229,7 +229,7 @@ TEST(SceneErrors, LinearMapNamesPlaceAndRule) {
        "t.textproto:12: device[0].metric.W = [1, 0]: must have one value per pair of coordinates, "
        "1"},
       {"W and scales", linear("limits {", "metric { scale_m: 1 W: 1 } limits {"),
-       "device[0].metric.W = { beside scales }: must be either W or scale_m and scale_rad"},
+       "device[0].metric.W = { with scales }: must be either W or scale_m and scale_rad"},
       {"W that is not symmetric", finger("limits {", "metric { W: [1, 0.5, 0.25, 1] } limits {"),
        "device[0].metric.W = [1, 0.5, 0.25, 1]: task metric: W(1, 0) = 0.25: must be symmetric, "
        "W(0, 1) = 0.5"},
@@ -245,7 +245,7 @@ TEST(SceneErrors, LinearMapNamesPlaceAndRule) {
       {"prior's size", linear("sensed_stiffness: 3", "sensed_stiffness: [3, 3]"),
        "device[0].prior.sensed_stiffness = [3, 3]: must have one value per sensed DoF, 1"},
       {"prior of a finger", finger("limits {", "prior { weight: 1 sensed_stiffness: 1 } limits {"),
-       "prior: must be absent, for this map has an inverse in closed form"},
+       "prior: must be absent, because this map has an inverse in closed form"},
   });
 }
 

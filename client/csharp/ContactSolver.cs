@@ -79,7 +79,7 @@ sealed class Solver {
                           plane => plane.Normal.Select(value => -value).ToArray()).ToArray()};
   }
 
-  /// Of coupling and contacts, by the coupling; a rigid contact costs `rigid` times its depth.
+  /// Energy over the coupling; a rigid contact costs `rigid` times its depth.
   double Energy(Place at, double rigid) =>
       at.X.Select((v, i) => weights_[i] * (v - probe_[i]) * (v - probe_[i]) / 2).Sum() +
       at.Planes.Select((plane, i) => {

@@ -40,15 +40,15 @@ public sealed class Contact {
   public double Stiffness = double.PositiveInfinity;  // of point and object in series, N/m
   public double Velocity;  // of the object along -normal, m/s; > 0: it recedes
   public uint Id;          // names the contact from sample to sample; 0: none
-  /// Of an object that is pushed: kg, N s/m, N/m, and N: the force on it now, without those of its
-  /// contacts and of the damping, > 0: away from the tool. A mass needs an Id.
+  /// The law of an object that is pushed: kg, N s/m, N/m, and N: the force on it now, without those
+  /// of its contacts and of the damping, > 0: away from the tool. A mass needs an Id.
   public double Mass, Damping, GroundStiffness, Load;
   public double? Uncertainty;  // the stiffness lies within 1 -+ this times Stiffness
   public uint Object;          // names the body that is pushed, if several contacts push it
   public double[] ObjectDirection = new double[0];  // empty: the normal
 }
 
-/// What Contacts.Solve() found.
+/// Result of Contacts.Solve().
 public sealed class Solution {
   public double[] X;             // the proxy
   public HapticPlane[] Planes;   // ContactAt() of all contacts at X, for PublishContacts()
@@ -120,11 +120,11 @@ public static class Contacts {
     return map;
   }
 
-  /// Of a ball; `distance` of the point from its centre, m, not 0; < 0: the point is inside a
-  /// hollow one, and the normal points inwards.
+  /// Curvature of a ball; `distance` of the point from its centre, m, not 0; < 0: the point is
+  /// inside a hollow one, and the normal points inwards.
   public static double[] SphereCurvature(double[] normal, double distance) =>
       Across(distance, normal);
-  /// Of a cylinder with this axis (of length 1); `distance` from the axis.
+  /// Curvature of a cylinder with this axis (of length 1); `distance` from the axis.
   public static double[] CylinderCurvature(double[] normal, double[] axis, double distance) =>
       Across(distance, normal, axis);
 

@@ -49,7 +49,7 @@ public sealed class DeviceState {
   static readonly double[] None = new double[0];
 }
 
-/// What the proxy may not pass, normal . x <= offset, or a contact: Plane in session.proto.
+/// A plane that the proxy may not pass, normal . x <= offset, or a contact: Plane in session.proto.
 public sealed class HapticPlane {
   public double[] Normal, Curvature, ObjectDirection;
   public double Offset, Compliance, Velocity, Mass, Damping, GroundStiffness, Load;
@@ -119,7 +119,7 @@ public sealed class HapticSession : IDisposable {
   public string LastRejection { get { lock (lock_) return rejection_; } }
   /// Why EngageWhenReady() has no force yet.
   public string EngageRefusal { get; private set; } = "";
-  /// What happened since this was last asked; of more than 256 the oldest are gone.
+  /// Events since this was last asked; of more than 256 the oldest are gone.
   public bool TryNextEvent(out HapticEvent next) => events_.TryDequeue(out next);
 
   /// Nothing is in the way: no force. Force begins with a held proxy only after a free one.

@@ -18,7 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 /// Refreshes faster than this are a flicker to people; --json keeps --rate.
 constexpr double kFastestForPeople = 20.0;
-/// What a state does not carry is asked for this often.
+/// Period of asking for what a state does not carry.
 constexpr auto kFactsEvery = std::chrono::seconds(1);
 
 /// One device: its newest state, kept by the stream's thread for the loop that prints.

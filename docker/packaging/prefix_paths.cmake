@@ -11,7 +11,7 @@ endif()
 set(HAPTICD "${prefix}/${bindir}/hapticd")
 set(SCENE "${etc}/hapticd/scene.textproto")
 configure_file("${template}" "${root}${prefix}/lib/systemd/system/hapticd.service" @ONLY)
-# What its owner has changed stays.
+# A file that its owner has changed stays.
 if(NOT EXISTS "${root}${SCENE}")
   configure_file("${scene}" "${root}${SCENE}" COPYONLY)
 endif()

@@ -54,7 +54,7 @@ def _reader(schema: Schema, message: Message) -> list[str]:
 
 def state(schema: Schema) -> list[str]:
     messages = schema.reachable("DeviceState")
-    lines = ["", "// What follows is made of proto/haptic/v1/session.proto by proto/generate.",
+    lines = ["", "// The rest is made of proto/haptic/v1/session.proto by proto/generate.",
              "namespace Haptic {"]
     for enum in schema.enums_of("DeviceState"):
         lines += _enum(enum)

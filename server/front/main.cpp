@@ -38,7 +38,7 @@ struct CommandLine {
   bool insecure_lab{false};
 };
 
-/// What the owner told of the devices, as the rest of the front wants it.
+/// The owner's word about the devices, as the rest of the front wants it.
 std::vector<DeviceFacts> facts_of(const Scene& scene, const std::string& descriptions) {
   const auto devices = devices_of(descriptions);
   if (devices.size() != scene.devices.size()) {

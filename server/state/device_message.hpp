@@ -1,5 +1,5 @@
 #pragma once
-/// What ListDevices says of a device that does not change while it is open.
+/// The part of ListDevices' answer that does not change while it is open.
 
 #include <memory>
 #include <string>

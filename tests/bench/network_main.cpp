@@ -56,7 +56,7 @@ void settle(const client::Session& session, bool by_udp) {
 
 enum class By { kGrpc, kUdp, kWebSocket };
 
-/// What writes a sample; the one with number n is the n-th.
+/// Writer of a sample; the one with number n is the n-th.
 using Publish = std::function<void(std::uint64_t n)>;
 
 /// A session by the relay's address, as long as the answer lives.

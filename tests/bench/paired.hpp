@@ -17,7 +17,7 @@ struct Ratio {
   double lower{0.0}, upper{0.0};  ///< bootstrap 95 % interval of the median
 };
 
-/// What is taken of a pair of figures.
+/// The figure that is taken of a pair.
 enum class Pairs { kRatio, kDifference };
 
 struct Row {

@@ -1,4 +1,4 @@
-/// What the user's code may do inside a callback without holding up itself or another.
+/// Things that the user's code may do inside a callback without holding up itself or another.
 
 #include <atomic>
 
@@ -20,7 +20,7 @@ class Callback : public WithServer {
     return *mine;
   }
 
-  // What callbacks use is declared before the session, which ends first.
+  // Things that callbacks use are declared before the session, which ends first.
   std::atomic<client::Session*> mine{nullptr};
   std::atomic<bool> done{false};
   std::atomic<int> inside{0}, closed{0};

@@ -1,4 +1,4 @@
-/// What a user includes stands alone: no gRPC, protobuf or Eigen, neither type nor header.
+/// Headers that a user includes stand alone: no gRPC, protobuf or Eigen, neither type nor header.
 
 #include <gtest/gtest.h>
 

@@ -238,7 +238,7 @@ class Crossing {
     if (finding_.empty()) finding_ = what;
   }
 
-  /// What came out, to the loop and to the front.
+  /// Output to the loop and to the front.
   void look() {
     if (world_.unit.proxies.take()) look(world_.unit.proxies.value());
     if (world_.unit.poses.take()) look(world_.unit.poses.value());

@@ -74,7 +74,7 @@ enum FrontStep : std::uint8_t {
 inline const ProxySample kHonest{.mode = core::ProxyMode::kHeld,
                                  .position = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}};
 
-/// What is too slow to be made for every input, and the same at the beginning of each.
+/// Parts that are too slow to be made for every input, and are the same at the beginning of each.
 struct World {
   World() {
     begin();

@@ -1,5 +1,6 @@
-/// What libFuzzer calls: one program per target, HAPTIC_FUZZ_TARGET names it. Where the environment
-/// names a folder in HAPTIC_FUZZ_SEEDS, the inputs to begin with are written there first.
+/// Entry that libFuzzer calls: one program per target, HAPTIC_FUZZ_TARGET names it. Where the
+/// environment names a folder in HAPTIC_FUZZ_SEEDS, the inputs to begin with are written there
+/// first.
 
 #include <cstdio>
 #include <cstdlib>

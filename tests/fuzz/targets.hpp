@@ -1,7 +1,7 @@
 #pragma once
-/// What is fuzzed: the serial link, the datagram path, what a front sends to the owner, the scene
-/// loader and replayed files. A target takes any bytes and says what is wrong; empty: nothing.
-/// libFuzzer drives it (run.sh), and so do the tests, with a fixed count (fuzz_test.cpp).
+/// Fuzzed interfaces: the serial link, the datagram path, what a front sends to the owner, the
+/// scene loader and replayed files. A target takes any bytes and says what is wrong; empty:
+/// nothing. libFuzzer drives it (run.sh), and so do the tests, with a fixed count (fuzz_test.cpp).
 
 #include <cstdint>
 #include <span>
@@ -25,10 +25,10 @@ struct FuzzTarget {
 /// sealed with the right keys. Findings: a rejected datagram says or sends something, a message or
 /// an answer is longer than it may be, more is answered than asked.
 [[nodiscard]] const FuzzTarget& datagram_target();
-/// What the owner reads from a front: its pages, written in any way at any time, and its messages;
-/// behind them requests, leases and the ingress. Findings: what the loop or a front would get is
-/// not finite, too large, of a wrong size, unknown, out of order or from the future; more is read
-/// or kept than is allowed; an honest client that comes afterwards gets no lease, or no sample
+/// Data that the owner reads from a front: its pages, written in any way at any time, and its
+/// messages; behind them requests, leases and the ingress. Findings: what the loop or a front would
+/// get is not finite, too large, of a wrong size, unknown, out of order or from the future; more is
+/// read or kept than is allowed; an honest client that comes afterwards gets no lease, or no sample
 /// through.
 [[nodiscard]] const FuzzTarget& crossing_target();
 /// server::parse_scene. Findings: an error without a word, another exception than SceneError, a

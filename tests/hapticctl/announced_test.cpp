@@ -1,4 +1,4 @@
-// What avahi-browse 0.8 printed of servers whose names and TXT records were chosen to harm.
+// Output of avahi-browse 0.8 about servers whose names and TXT records were chosen to harm.
 #include "discovery/announced.hpp"
 
 #include <gmock/gmock.h>

@@ -209,7 +209,7 @@ TEST(CalibrateBoard, CorrectsAWrongPotentiometer) {
   ASSERT_EQ(result.force_zero.size(), 1u);
   EXPECT_NEAR(result.force_zero[0], 0.8, 0.01) << "a second of 30 mN rms";
 
-  // What was written is what a scene of the server reads back, and makes of the board.
+  // The file that was written is what a scene of the server reads back, and makes of the board.
   const hw::BoardConfig calibrated =
       calibrated_by(to_textproto(result, config.serial, "2026-11-21"));
   VirtualBoard again(config, motion.intent(), calibrated, kinematics);

@@ -22,7 +22,8 @@ using hw::emulator::VirtualBoard;
 /// Damping of linkage and finger at the rod (hw/README.md), and the damping that the scene renders.
 constexpr double kDeviceDamping = 0.5, kRenderedDamping = 0.0;  // N s/m
 
-/// What hapticctl doctor says of a host that is never late and whose serial ports add nothing.
+/// Stiffness that hapticctl doctor says for a host that is never late and whose serial ports add
+/// nothing.
 double allowed_stiffness() {
   StiffnessQuestion question{.device_damping = kDeviceDamping,
                              .rendered_damping = kRenderedDamping};

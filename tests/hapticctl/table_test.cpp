@@ -1,4 +1,4 @@
-// What hapticctl watch shows of a state, against the list of the fields that it has.
+// The table of hapticctl watch for a state, against the list of the fields that it has.
 #include "table.hpp"
 
 #include <gmock/gmock.h>

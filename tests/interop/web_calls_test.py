@@ -163,7 +163,7 @@ class Calls(unittest.TestCase):
         self.assertIn("authorization", allowed.fields["access-control-allow-headers"].lower())
         self.assertNotIn("access-control-allow-origin", self.ask("GET", "/").fields)
 
-    # What is answered.
+    # The answers.
 
     def test_calls_say_what_grpc_says(self):
         requests = [("ListDevices", service.ListDevicesRequest()),

@@ -217,7 +217,7 @@ class Sessions(unittest.TestCase):
         self.assertEqual(socket.end_within(60.0).code, 1001)
         socket.socket.close()
 
-    # What becomes of the lease.
+    # The fate of the lease.
 
     def test_lost_socket_is_resumed(self):
         for protocol in (PROTO, JSON):

@@ -99,7 +99,7 @@ class Server {
   std::unique_ptr<server::FrontServer> rpc_{};
 };
 
-/// What carries samples to the server.
+/// Carrier of samples to the server.
 class Way {
  public:
   virtual ~Way() = default;

@@ -59,7 +59,7 @@ struct Worn {
     go(part, part, 0.3);
     loop.require_engaged();
   }
-  /// What MuJoCo's normal forces on the finger are at the actuator: of the displacement f / c by
+  /// MuJoCo's normal forces on the finger, at the actuator: of the displacement f / c by
   /// Eq. (8), Z_q S J^-1 dx. Jacobians of the points of contact by MuJoCo.
   double engine_force() {
     VecX torque = VecX::Zero(2);

@@ -38,7 +38,7 @@ double coupling_of(const World& world) {
   return world.m()->numeric_data[world.m()->numeric_adr[world.id(mjOBJ_NUMERIC, "coupling")]];
 }
 
-/// What the hand wears, and how its simulation follows.
+/// The device that the hand wears, and how its simulation follows.
 struct Outfit {
   std::string scene{"hand_soft_grasp.textproto"};
   std::vector<std::string> joints{};  ///< as of by_name(); none: points
@@ -143,7 +143,7 @@ class WornHand {
     }
     return dx;
   }
-  /// What that is at the motors. Points: Eq. (8) renders Z_q S J^+ dx. Joints: Eq. (6) renders
+  /// That force at the motors. Points: Eq. (8) renders Z_q S J^+ dx. Joints: Eq. (6) renders
   /// Z_q S (q* - q) with f(q*) = x. `left`: the part of dx that the device has no DoF for, of all.
   [[nodiscard]] VecA engine_force(double& left) const {
     const VecX dx = displaced();

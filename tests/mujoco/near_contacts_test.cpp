@@ -1,5 +1,5 @@
-/// What is told of MuJoCo's contacts: gap, gradient and curvature against MuJoCo at other places of
-/// the tool, the law of what is pushed, and the life of an id.
+/// MuJoCo's contacts as they are told: gap, gradient and curvature against MuJoCo at other places
+/// of the tool, the law of what is pushed, and the life of an id.
 
 #include "near_contacts.hpp"
 
@@ -239,7 +239,7 @@ std::string block(const std::string& friction) {
   return text;
 }
 
-/// What is told of the block after it came to rest on the floor, touched but not pushed.
+/// The contact with the block after it came to rest on the floor, touched but not pushed.
 client::Contact block_at_rest(const std::string& cone, const std::string& friction) {
   Still still(slider_model(block(friction), "cone=\"" + cone + '"'), {joint("x", 0)});
   still.world.m()->opt.gravity[2] = -9.81;

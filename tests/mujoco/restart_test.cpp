@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kSpring = 1500.0;  // of the coupling, N/m
 
-/// What the device is told to feel, N.
+/// Force that the device is told to feel, N.
 double told(const client::Proxy& proxy, double probe) {
   return proxy.position.empty() ? 0.0 : kSpring * std::abs(proxy.position[0] - probe);
 }

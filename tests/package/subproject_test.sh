@@ -14,7 +14,7 @@ fail() {
   exit 1
 }
 source=$(cd "$here/../.." && pwd)
-# As on a host that has none of these: a search for them fails, and a required one ends it.
+# Acts as a host that has none of these: a search for them fails, and a required one ends it.
 absent=
 for package in Eigen3 CLI11 spdlog Boost nlohmann_json; do
   absent="$absent -DCMAKE_DISABLE_FIND_PACKAGE_$package=ON"

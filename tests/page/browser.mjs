@@ -63,7 +63,7 @@ export async function says(page, selector, pattern) {
   }
 }
 
-/** What axe-core finds, as sentences. */
+/** Findings of axe-core, as sentences. */
 export async function violations(page) {
   // Not as a <script>, which the page's policy forbids: as the debugger evaluates it.
   await page.evaluate(AXE);

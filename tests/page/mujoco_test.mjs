@@ -3,7 +3,8 @@
 // and shows. By the clock a frame takes longer, because Chromium paints by software on the same
 // cores: that is reported. With $HAPTIC_CALM, on a machine that does nothing else, it judges what a
 // busy machine changes: how long a frame keeps a core, and how far the forces are from the native
-// client's. Without it, the ball must be felt, by samples in time, with at least half of that force.
+// client's. Without it, the ball must be felt, by samples in time, with at least half of that
+// force.
 //
 //   ctest --preset release -R page.mujoco_calm -V      prints these figures
 import assert from "node:assert/strict";
@@ -72,7 +73,7 @@ async function handPresses(watch) {
   }
 }
 
-/** What of a core the worker takes for a frame until `over` is kept. */
+/** Share of a core that the worker takes for a frame, until `over` is kept. */
 async function frameOfCore(over) {
   const computed = await workerTimes(over);
   await over;

@@ -1,4 +1,4 @@
-// What the page says in words and numbers.
+// Words and numbers of the page.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { misfit } from "../../server/front/page/src/mujoco/fit.ts";

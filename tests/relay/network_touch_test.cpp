@@ -1,6 +1,6 @@
-/// What a finger feels through a delay: hapticd, the relay and a client as processes or threads,
-/// against the shadow: the same object at 1 kHz and without a network, on the pipeline of the same
-/// scene, along the motion that was recorded.
+/// The force that a finger feels through a delay: hapticd, the relay and a client as processes or
+/// threads, against the shadow: the same object at 1 kHz and without a network, on the pipeline of
+/// the same scene, along the motion that was recorded.
 
 #include <gtest/gtest.h>
 

@@ -39,7 +39,7 @@ struct VirtualWorld {
   void run(LinkTime until) {
     while (time() < until) step();
   }
-  /// What reaches the server's socket; also what an attacker sends.
+  /// Datagrams that reach the server's socket; also what an attacker sends.
   wire::Rejection deliver(wire::ConstBytes datagram, const wire::PeerAddress& from);
   [[nodiscard]] double force() const { return rig.newest().effort.tau_a[0]; }
 

@@ -42,7 +42,7 @@ class WatchedClient {
   std::unique_ptr<client::Watch> watch_;
 };
 
-/// Whether there is a client for the web.
+/// True if there is a client for the web.
 inline const bool kHasWebPresser = *HAPTIC_NODE != '\0';
 
 /// web_presser.mjs, at Presser::kRate.

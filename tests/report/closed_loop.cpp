@@ -169,7 +169,7 @@ void print_figures(const Options& options) {
   for (const Row& row : rows(options)) {
     const LoopFigures f = run(row.loop);
     const bool ok = f.most_net <= row.loop.tank_initial + kRounding;
-    // What a throttled spring stores says nothing of the method.
+    // The energy of a throttled spring says nothing of the method.
     const bool throttled = f.throttled > 0 || f.peak_storage == 0.0;
     const double share = throttled ? NAN : 100.0 * f.given / f.peak_storage;
     std::puts((what_it_is(row) + "," +

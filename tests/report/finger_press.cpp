@@ -80,8 +80,8 @@ PressTick felt_at(double t_s, const VecX& x, const core::MatXQ& J, double tau_a,
           {J(1, 1) / det * cell, -J(0, 1) / det * cell}};
 }
 
-/// What really acts on the linkage, and where the finger really is: behind a board neither is what
-/// was commanded nor what was measured.
+/// The force that really acts on the linkage, and where the finger really is: behind a board
+/// neither is what was commanded nor what was measured.
 PressTick felt_through(const VirtualBoard& device, const core::Kinematics& finger, double t_s,
                        double tau_a) {
   const hw::emulator::Rig& rig = device.board().rig();

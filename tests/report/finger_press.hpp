@@ -24,7 +24,7 @@ struct Press {
   bool force{true};         ///< false: the same without any force, for comparison
 };
 
-/// What the finger felt in one tick.
+/// The finger's feeling in one tick.
 struct PressTick {
   double t_s{0.0};
   Pair x_deg{};       ///< joints

@@ -69,7 +69,7 @@ Eigen::Vector2d degrees(const Pair& deg) {
   return Eigen::Vector2d(deg.first, deg.second) * kDegree;
 }
 
-/// What runs along with a press.
+/// Figures that run along with a press.
 struct Judge {
   const RandomPress& press;
   BestForce best;

@@ -88,7 +88,7 @@ void print_all(const Options& options) {
   if (!options.summary.empty()) write_summary(rows, options.summary);
 }
 
-/// What is felt and its shadow, ms by ms.
+/// The force that is felt and its shadow, ms by ms.
 void print_trace(const Options& options) {
   row("object", "peer", "round_trip_ms", "t_s", "felt_n", "shadow_n");
   for (const RttScene& scene : scenes(options)) {

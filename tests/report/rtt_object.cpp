@@ -78,7 +78,7 @@ class StiffeningWall : public Wall {
   static constexpr double kDeepest = 0.022;  // m
 
   static double force(double depth) { return kLaw * depth * std::sqrt(depth); }
-  /// What the stiffness from `depth` to any other one may differ from the told one by.
+  /// Difference that the stiffness from `depth` to any other one may have from the told one.
   static double uncertainty(double depth, double told) {
     const double least = kLaw * std::sqrt(depth);
     const double most = (force(kDeepest) - force(depth)) / (kDeepest - depth);

@@ -16,7 +16,7 @@ namespace haptic::report {
 inline constexpr double kRttCoupling = 1500.0;
 inline constexpr double kRttSoft = 500.0;  ///< N/m, of soft objects
 
-/// What a client tells ahead: how far, and for when.
+/// Reach of what a client tells ahead: how far, and for when.
 struct RttHorizon {
   double metres{0.0};
   double seconds{0.0};

@@ -27,7 +27,7 @@ std::chrono::nanoseconds span(double s) {
   return std::chrono::nanoseconds(static_cast<std::int64_t>(std::llround(1e9 * s)));
 }
 
-/// What the simulation does with a look at the device. `library_ns`, if given: what of it the
+/// One step of the simulation with a look at the device. `library_ns`, if given: what of it the
 /// client library took.
 std::function<void(test::Frame&)> simulation(const RttScene& scene,
                                              const std::shared_ptr<RttObject>& world,

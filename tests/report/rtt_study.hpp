@@ -15,7 +15,7 @@
 
 namespace haptic::report {
 
-/// What the client sends, and what is done with it.
+/// Kind of sample that the client sends, and what is done with it.
 enum class RttPeer {
   kContacts,   ///< contacts of the client library, near ones too
   kEstimated,  ///< ContactEstimator of the client library: what a session derives from proxies
@@ -28,7 +28,7 @@ inline constexpr RttPeer kRttPeers[]{RttPeer::kContacts, RttPeer::kEstimated, Rt
                                      RttPeer::kHeld,     RttPeer::kHeldForce, RttPeer::kTdpa};
 [[nodiscard]] std::string_view name(RttPeer peer) noexcept;
 
-/// What moves the device, and gives way to its force or does not.
+/// Hand that moves the device, and gives way to its force or does not.
 class RttBody {
  public:
   virtual ~RttBody() = default;
@@ -79,7 +79,7 @@ struct RttFigures {
 [[nodiscard]] RttFigures run(const RttScene& scene, const RttRun& how,
                              const std::function<void(const RttTick&)>& observe = {});
 
-/// What contacts cost, ns, medians over the motion.
+/// Cost of contacts, ns, medians over the motion.
 struct RttCost {
   double tick{0.0};         ///< of the pipeline without a new sample
   double sample{0.0};       ///< more in a tick with one

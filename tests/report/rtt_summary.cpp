@@ -149,7 +149,7 @@ void write_summary(const std::vector<RttRow>& rows, const std::string& file) {
     const RttRow* worst = nullptr;
     for (const RttRow& row : rows) {
       if (row.how.peer != claim.peer) continue;
-      // What is pushed is shown with every rate.
+      // Objects that are pushed are shown with every rate.
       if (row.how.rate_hz != 60.0 && !of(row.object, {"pushed_*", "sliding_*"})) continue;
       if ((row.how.lost > 0.0) != claim.lost) continue;
       if (!claim.objects.empty() && !of(row.object, claim.objects)) continue;

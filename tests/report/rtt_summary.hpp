@@ -1,5 +1,5 @@
 #pragma once
-/// What must hold in the study rtt, and whether it does.
+/// Claims that must hold in the study rtt, and if they do.
 
 #include <string>
 #include <vector>

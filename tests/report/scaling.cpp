@@ -25,7 +25,7 @@ constexpr int kFrame = 16;   // ticks between the client's frames: 60 Hz
 constexpr int kPoses = 512;  // of a grasp that repeats
 constexpr double kStopMcp = 18 * kDegree, kStopPip = 25 * kDegree;
 
-/// What a scene renders contact by.
+/// Kind of proxy by which a scene renders contact.
 struct Way {
   const char* name;
   core::ProxyMode mode;

@@ -26,7 +26,7 @@ class UdpEnd {
   bool send(const std::string& message);
   /// Any bytes, to a port of 127.0.0.1, from this end's socket.
   void send_raw(const std::vector<std::uint8_t>& bytes, std::uint16_t port);
-  /// What send() would put on the wire for `type`, without sending it.
+  /// Bytes that send() would put on the wire for `type`, without sending it.
   [[nodiscard]] std::vector<std::uint8_t> seal(const std::string& message);
   void rekey(const wire::PathKeys& keys);
 

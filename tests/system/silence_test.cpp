@@ -119,7 +119,7 @@ TEST_F(Pressing, KilledClientLosesForceAndLease) {
   EXPECT_TRUE(next->connected());
 }
 
-// What the kernel goes by is the smallest of what all programs ask for; it answers in us.
+// The kernel goes by the smallest latency that any program asks for; it answers in us.
 TEST_F(Pressing, IdleProcessorsStayAwake) {
   std::fstream latency("/dev/cpu_dma_latency", std::ios::in | std::ios::out | std::ios::binary);
   if (!latency) GTEST_SKIP() << "this host does not let its processors be kept awake";

@@ -47,7 +47,7 @@ tls="server.tls={certificate: \"$folder/localhost.pem\" key: \"$folder/localhost
 tls="$tls client_ca: \"$folder/ca.pem\""
 tls="$tls client { name: \"surgeon\" highest_priority: \"operator\" }}"
 
-# What is refused, and by which words.
+# Refusals, and their words.
 says 1 'is not loopback' "$hapticd" --scene "$scene" --listen 0.0.0.0:0
 says 1 '--insecure-lab' "$hapticd" --scene "$scene" --listen 0.0.0.0:0
 says 1 "UDP address" "$hapticd" --scene "$scene" --listen "unix:$folder/u" --insecure-lab \

@@ -17,7 +17,7 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-/// What a daemon may have as standard error, unread: a pipe as small as the kernel makes them, or a
+/// Standard errors that a daemon may have, unread: a pipe as small as the kernel makes them, or a
 /// terminal.
 class Unread {
  public:

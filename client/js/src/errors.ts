@@ -30,7 +30,7 @@ export function localError(code: Code, message: string): ClientError {
   return new ClientError(code, code.toUpperCase(), message);
 }
 
-/** Whether another answer may come to those who ask again: a wrong argument stays wrong, a server
+/** True if another answer may come to those who ask again: a wrong argument stays wrong, a server
  * comes back. PROTOCOL refuses, of what this client sends, only an OpenSession that is late. */
 export function mayPass(error: ClientError): boolean {
   return error.reason === "PROTOCOL" ||
@@ -54,7 +54,7 @@ const BY_STATUS: Record<number, Code> = {
   429: "unavailable", 502: "unavailable", 503: "unavailable", 504: "unavailable",
 };
 
-/** What a refused call says: `{"code": ..., "message": ..., "details": [...]}`, or, if something
+/** Text of a refused call: `{"code": ..., "message": ..., "details": [...]}`, or, if something
  * else than hapticd answered, the HTTP status. */
 export function httpError(status: number, body: Uint8Array): ClientError {
   let said: { code?: unknown; message?: unknown; details?: unknown } = {};

@@ -1,4 +1,4 @@
-/** Whether the user wants force, and the asking for it in the background: every 50 ms, until the
+/** Knows if the user wants force, and asks for it in the background: every 50 ms, until the
  * server agrees. Rules as in the C++ client's class of this name. */
 import { ClientError } from "./errors.js";
 import { Event_Kind } from "./gen/haptic/v1/session_pb.js";
@@ -28,9 +28,9 @@ export function endOfForce(event: Event, leaseEpoch: number,
   return undefined;
 }
 
-/** What it needs of the session. */
+/** The part of the session that it needs. */
 export interface ForceOwner {
-  /** Whether asking makes sense now: there is a stream with a lease, and no force yet. */
+  /** True if asking makes sense now: there is a stream with a lease, and no force yet. */
   mayAsk(): boolean;
   /** Names the session that asks. */
   id(): string;

@@ -4,7 +4,7 @@ import type { ClientError } from "./errors.js";
 import { localError } from "./errors.js";
 import type { DeviceState } from "./gen/haptic/v1/session_pb.js";
 
-/** What the user computes the next sample from. */
+/** The state that the user computes the next sample from. */
 export interface Given {
   seq: bigint;
   receivedMs: number;

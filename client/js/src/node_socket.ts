@@ -41,8 +41,8 @@ export interface Frame {
 
 /** Cuts the server's bytes into frames; keeps what is not a whole frame yet. */
 export class FrameReader {
-  // What is kept; room behind it grows twofold, so that bytes may come singly. Nothing is written
-  // twice: payloads are views.
+  // Bytes that are kept; room behind them grows twofold, so that bytes may come singly. Nothing is
+  // written twice: payloads are views.
   #bytes: Buffer = Buffer.alloc(0);
   #begin = 0;
   #end = 0;

@@ -1,4 +1,4 @@
-/** What a simulation publishes: where its objects let the haptic probe be. */
+/** The proxy that a simulation publishes: where its objects let the haptic probe be. */
 import type { MessageInitShape } from "@bufbuild/protobuf";
 import type { VirtualCoordinate } from "./gen/haptic/v1/haptic_service_pb.js";
 import { PlaneSchema, ProxyMode } from "./gen/haptic/v1/session_pb.js";

@@ -12,7 +12,7 @@ type State = "over" | "opening" | "open" | "leaseLost" | "waiting" | "closed";
 
 export const PREEMPTED = "LEASE_PREEMPTED";
 
-/** Whether the event ends the lease of this number. The end of an earlier session's lease may still
+/** True if the event ends the lease of this number. The end of an earlier session's lease may still
  * be told to a session that opens just then. */
 export function endsLease(event: Event, leaseEpoch: number): boolean {
   return event.leaseEpoch === leaseEpoch &&

@@ -74,7 +74,7 @@ export class Session {
     }, options.reEngage ?? false, nextLease);
   }
 
-  // What goes up.
+  // The way up.
 
   /** Sends where the proxy is now. Never waits, never throws. The newest sample wins: one that
    * could not be sent yet is replaced and counted; without a stream it is dropped. */
@@ -94,7 +94,7 @@ export class Session {
     this.#offer((seq) => ({ case: "tracker", value: trackerSample(pose, seq) }));
   }
 
-  // What comes down.
+  // The way down.
 
   /** The newest state; undefined before the first one and after the session started again. The
    * next sample counts as computed from it. */
@@ -120,7 +120,7 @@ export class Session {
     }
   }
 
-  /** Whether the session has a stream. */
+  /** True if the session has a stream. */
   get connected(): boolean {
     return this.#reconnection.open;
   }
@@ -128,7 +128,7 @@ export class Session {
   get leaseEpoch(): number {
     return this.#opened?.leaseEpoch ?? 0;
   }
-  /** What the server answered to the opening, with the staleness limits in force. */
+  /** The server's answer to the opening, with the staleness limits in force. */
   get opened(): SessionOpened {
     return this.#opened!;
   }

@@ -1,4 +1,4 @@
-/** What a session is opened with, and what it tells of itself. */
+/** Options of a session, and what it tells of itself. */
 import type { MessageInitShape } from "@bufbuild/protobuf";
 import type { ClientError } from "./errors.js";
 import type { UpdateSettingsRequestSchema } from "./gen/haptic/v1/haptic_service_pb.js";

@@ -14,7 +14,7 @@ export interface StateField {
   name: string;
   kind: "number" | "name" | "bits" | "message";
   repeated: boolean;
-  /** What the values of a repeated field belong to; "": nothing that has a name. */
+  /** Things that the values of a repeated field belong to; "": nothing that has a name. */
   axis: "dof" | "actuated" | "coordinate" | "";
   /** Per value: names of DoFs or virtual coordinates; empty without an axis. */
   labels: string[];

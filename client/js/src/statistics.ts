@@ -1,4 +1,4 @@
-/** What became of the samples. */
+/** Counts of the samples. */
 import type { SampleAck } from "./gen/haptic/v1/session_pb.js";
 
 /** Numbers of samples since the session was first opened. */
@@ -11,7 +11,7 @@ export interface PublishStatistics {
   conflated: number;
   /** Planes of a sample that were more than one can have. */
   planesLeftOut: number;
-  // What the server counted.
+  // Counts of the server.
   accepted: number;
   rejectedOld: number;
   rejectedInvalid: number;

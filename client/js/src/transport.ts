@@ -1,5 +1,5 @@
-/** What a browser and Node do differently: HTTP requests and WebSockets. package.json chooses the
- * module (`#transport`), so that a browser's bundle does not contain Node's. */
+/** The difference between a browser and Node: HTTP requests and WebSockets. package.json chooses
+ * the module (`#transport`), so that a browser's bundle does not contain Node's. */
 
 import type { ClientError } from "./errors.js";
 
@@ -24,7 +24,7 @@ export interface Answer {
   body: Uint8Array;
 }
 
-/** What a socket reports; `close` comes once and last. */
+/** Events of a socket; `close` comes once and last. */
 export interface SocketListener {
   open(): void;
   message(data: string | Uint8Array): void;

@@ -6,7 +6,7 @@
 
 namespace haptic::server {
 
-/// What to do about the field: "`NAME` was removed in VERSION: delete the line; ...". Empty: no
+/// The advice about the field: "`NAME` was removed in VERSION: delete the line; ...". Empty: no
 /// field of this name was removed.
 [[nodiscard]] std::string removed_field(const std::string& name);
 

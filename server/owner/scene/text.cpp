@@ -103,7 +103,8 @@ class Collector final : public io::ErrorCollector {
   std::size_t untold{0};
 
  private:
-  /// As many are told as a reader may want; to find the place of one takes as long as the text is.
+  /// Number of mistakes that a reader may want to see; to find the place of one takes as long as
+  /// the text is.
   [[nodiscard]] bool full() {
     if (errors.size() + unknown_fields.size() < Problems::kMostTold) return false;
     ++untold;

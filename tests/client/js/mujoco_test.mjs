@@ -17,7 +17,7 @@ const engines = { npm: await load(require.resolve("@mujoco/mujoco")),
                   page: await load(process.env.HAPTIC_PAGE_MUJOCO) };
 const vectors = process.env.HAPTIC_MUJOCO_VECTORS, models = process.env.HAPTIC_MUJOCO_MODELS;
 
-/** What differs most, of numbers and lists of them, against the largest of its kind. */
+/** Largest difference of numbers and lists of them, against the largest of its kind. */
 class Differences {
   #of = {};
 

@@ -32,7 +32,7 @@ function frame(opcode, payload, first = 0x80 | opcode) {
   return Buffer.concat([head, bytes]);
 }
 
-/** What a client saw of a server that answers the upgrade with `answer(key)`, and what the server
+/** A client's view of a server that answers the upgrade with `answer(key)`, and what the server
  * got. `talk(socket, stream)` runs when the connection is up. */
 async function session(t, answer, talk = () => undefined) {
   const seen = { messages: [], upgraded: false, heard: Buffer.alloc(0) };

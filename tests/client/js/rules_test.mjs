@@ -1,4 +1,4 @@
-// What the package decides without a server.
+// Decisions of the package without a server.
 import assert from "node:assert/strict";
 import { createRequire } from "node:module";
 import { test } from "node:test";

@@ -23,7 +23,7 @@ const std::map<std::string, StatusCode> kStatuses{
     {"FAILED_PRECONDITION", StatusCode::FAILED_PRECONDITION},
     {"UNAVAILABLE", StatusCode::UNAVAILABLE}};
 
-/// What a reason means to a program; what is not listed can be asked for again later.
+/// Meaning of a reason to a program; what is not listed can be asked for again later.
 const std::map<std::string, ErrorReason> kMeanings{
     {"INVALID_ARGUMENT", ErrorReason::kInvalidArgument},
     {"PROTOCOL", ErrorReason::kInvalidArgument},

@@ -1,4 +1,4 @@
-/// What a stream writes next, without a stream.
+/// The message that a stream writes next, without a stream.
 
 #include "outbox.hpp"
 

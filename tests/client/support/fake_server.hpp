@@ -71,7 +71,7 @@ class FakeServer final
   void die();
   void listen();
 
-  /// What was heard since construction.
+  /// Messages heard since construction.
   struct Heard {
     std::vector<v1::ProxySample> samples;
     std::vector<v1::TrackerSample> poses;

@@ -8,7 +8,7 @@
 
 namespace haptic::test {
 
-/// What both kinds share: messages go out one at a time, the end comes after the last of them.
+/// Common part of both kinds: messages go out one at a time, the end comes after the last of them.
 template <typename Reactor, typename Message>
 class Outbox : public Reactor {
  public:

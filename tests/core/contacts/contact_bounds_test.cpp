@@ -1,4 +1,4 @@
-// What contacts may do at most, whatever is told: how far they lead the proxy, how much a tick
+// Bounds of contacts, whatever is told: how far they lead the proxy, how much a tick
 // costs, and that a probe at rest has a proxy at rest (core/METHOD.md#contacts).
 #include <gtest/gtest.h>
 

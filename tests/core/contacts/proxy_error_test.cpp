@@ -25,7 +25,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// What a bound is judged by.
+/// Figures by which a bound is judged.
 struct Judged {
   std::vector<double> errors{}, bounds{};
   std::vector<double> depths{}, turns{};  ///< of the contacts, bound by error

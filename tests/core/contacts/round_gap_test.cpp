@@ -1,4 +1,4 @@
-// What g and H tell of a round body, against the body itself: points are placed by rotations, and
+// g and H of a round body, against the body itself: points are placed by rotations, and
 // their distance is that from a centre, or from an axis (core/METHOD.md#error-bound).
 #include "haptic/core/contacts/round_gap.hpp"
 

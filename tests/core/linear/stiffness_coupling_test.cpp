@@ -42,8 +42,8 @@ TEST(StiffnessCoupling, ReproducesTheMatrixItWasGiven) {
   }
 }
 
-/// What a session lowers stays a stiffness, and is nowhere stiffer than what damping has to pay
-/// for.
+/// A stiffness that a session lowers stays a stiffness, and is nowhere stiffer than what damping
+/// has to pay for.
 TEST(StiffnessCoupling, LoweringOneNeverRaisesTheStiffest) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> share(0.0, 1.0), damping(0.1, 10.0);

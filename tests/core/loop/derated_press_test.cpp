@@ -38,7 +38,7 @@ ClientSettings client(ProxyMode mode, double round_trip_s, double compliance = k
   return client;
 }
 
-/// What it sends as planes without ids, while it sees contact.
+/// The surface that it sends as planes without ids, while it sees contact.
 ClientSettings derived_planes(double round_trip_s, double compliance = kCompliance) {
   ClientSettings settings = client(ProxyMode::kPlanes, round_trip_s, compliance);
   settings.told_rigid = settings.only_in_contact = true;

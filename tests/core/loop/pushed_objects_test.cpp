@@ -179,7 +179,8 @@ TEST(PushedObjects, DelayIsNotFelt) {
                      std::to_string(rate) + "/s, " + std::to_string(round_trip) + " s");
         const PushedFigures f = feel(p);
         EXPECT_GT(f.peak, 1.5);
-        // What slides away is judged by its first touch, when little is known of its mass.
+        // An object that slides away is judged by its first touch, when little is known of its
+        // mass.
         EXPECT_LT(f.rms, (p.ground == 0.0 ? 2.5e-3 : 1e-3) * f.peak);
       }
     }
@@ -199,7 +200,8 @@ TEST(PushedObjects, WrongMassNeverDiverges) {
                        std::to_string(round_trip) + " s");
           const PushedFigures f = feel(p);
           EXPECT_LT(f.worst, f.peak);
-          // What slides is pushed once, and 100 ms of that are over before a sample tells of it.
+          // An object that slides is pushed once, and 100 ms of that are over before a sample tells
+          // of it.
           const bool blind = p.ground == 0.0 && round_trip > 0.050;
           EXPECT_LT(f.rms, (!blind ? 0.025 : round_trip > 0.1 ? 0.18 : 0.05) * f.peak);
         }

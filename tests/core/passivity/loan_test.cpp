@@ -1,4 +1,4 @@
-// What the energy tank lends (core/METHOD.md#energy-tank, Eq. (34)).
+// Loans of the energy tank (core/METHOD.md#energy-tank, Eq. (34)).
 #include <gtest/gtest.h>
 
 #include "haptic/core/passivity/passivity.hpp"

@@ -20,7 +20,7 @@ SpringStorage diagonal(double stiffness) {
   return {.stiffness = one(stiffness)};
 }
 
-/// What a held spring does over a move of dq: the hold's leak, and the controller's own part.
+/// Work of a held spring over a move of dq: the hold's leak, and the controller's own part.
 HoldAccount held(double dq, double tau_controller) {
   HoldAccount account;
   account.leak = 0.5 * K * dq * dq;

@@ -1,4 +1,4 @@
-// What else reads a Z_q that is not diagonal: the prior (core/METHOD.md#projection-algorithm) and
+// Other readers of a Z_q that is not diagonal: the prior (core/METHOD.md#projection-algorithm) and
 // the displayed impedance, Eq. (9).
 #include <gtest/gtest.h>
 

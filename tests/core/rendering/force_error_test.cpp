@@ -1,4 +1,4 @@
-// What an error of the proxy is at the actuators, by each renderer (core/METHOD.md#error-bound).
+// Error of the proxy at the actuators, by each renderer (core/METHOD.md#error-bound).
 #include "haptic/core/rendering/force_error.hpp"
 
 #include <gtest/gtest.h>

@@ -84,7 +84,7 @@ struct ContactCase {
     if (answer != nullptr) *answer = out;
     return Z_q.cwiseProduct(map->layout().select(out.q_star));
   }
-  /// What tau_a does along the way out of contact i.
+  /// Work of tau_a along the way out of contact i.
   [[nodiscard]] double out_of(int i, const VecA& tau_a) const {
     return -contacts.into.col(i).dot(VecX(W * tau_a));
   }

@@ -1,5 +1,5 @@
-// What a load cell may say before it is doubted (core/METHOD.md#a-load-cell-that-lies). Expected
-// values from the balance of forces on a rod: m dv/dt = drive - D v - reading - friction.
+// Readings that a load cell may give before it is doubted (core/METHOD.md#a-load-cell-that-lies).
+// Expected values from the balance of forces on a rod: m dv/dt = drive - D v - reading - friction.
 #include "haptic/core/safety/cell_watch.hpp"
 
 #include <gtest/gtest.h>

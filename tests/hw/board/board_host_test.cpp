@@ -93,7 +93,7 @@ TEST(BoardHost, AnEndlessWatchdogIsRefused) {
   EXPECT_EQ(link.host.stage(), Stage::kOpen);
 }
 
-/// What a board says that is no emulated one: frames by hand, with the session of the host's HELLO.
+/// Words of a board that is no emulated one: frames by hand, with the session of the host's HELLO.
 class SpokenTo {
  public:
   SpokenTo() : host(test::expect_finger(), 7) {
@@ -336,7 +336,7 @@ TEST(BoardHost, EveryMissingFrameIsCounted) {
   link.run(5s);
   const HostCounters& n = link.host.counters();
   ASSERT_EQ(n.handshakes, 1U);
-  // What the board made since the session is what came whole and what is known to be missing. One
+  // The frames that the board made since the session came whole or are known to be missing. One
   // frame may be on its way, and the one of the newest number may be damaged.
   const std::uint64_t made = link.board.firmware().tx_seq;
   EXPECT_NEAR(static_cast<double>(n.frames + n.lost), static_cast<double>(made), 3.0);
@@ -376,7 +376,7 @@ TEST(BoardHost, SlowLinksKeepSamplesYoung) {
 }
 
 /// Bytes pass every `period`: a command waits for that, and so does the state that tells of it.
-/// What it waited on the board in between is no part of the way.
+/// The wait on the board in between is no part of the way.
 TEST(BoardHost, RoundTripSpansCommandToState) {
   for (const core::Duration period : {core::Duration(2ms), core::Duration(10ms)}) {
     VirtualLink link(

@@ -25,7 +25,7 @@ std::string why(int error, const std::string& port) {
   }
 }
 
-/// What coreutils say of a file's group.
+/// The group of a file by coreutils.
 std::string group_of(const std::string& path) {
   const std::unique_ptr<FILE, int (*)(FILE*)> answer(
       ::popen(("stat -c %G '" + path + "'").c_str(), "r"), &::pclose);

@@ -19,7 +19,7 @@ struct Law {
   const char* name{};
   BoardControl control{};
   core::ForceControlSettings settings{};
-  /// What hw/README.md says for every pose: rise in s, overshoot as a share.
+  /// Figures of hw/README.md for every pose: rise in s, overshoot as a share.
   double quickest{}, slowest{}, overshoot{};
 };
 

@@ -49,7 +49,7 @@ class FirmwareBoard : public testing::Test {
     arm();
     command(force);
   }
-  /// What the drive is told; empty: off.
+  /// Command to the drive; empty: off.
   std::optional<float> reference() {
     float value = -1.0F;
     hb_kind kind = HB_FORCE;

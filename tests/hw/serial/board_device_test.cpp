@@ -29,7 +29,7 @@ using namespace std::chrono_literals;
 using emulator::EmulatorConfig;
 using emulator::FaultKind;
 
-/// What the emulator's thread tells of its board.
+/// The emulator's board as its thread tells it.
 struct Told {
   bool drives{false};
   double reference{0.0};

@@ -1,4 +1,4 @@
-/// What the user of a simulated hand means to do: recordings with some columns, and wrong ones.
+/// Intent of a simulated hand's user: recordings with some columns, and wrong ones.
 #include "hw/simulated/hand_intent.hpp"
 
 #include <gmock/gmock.h>

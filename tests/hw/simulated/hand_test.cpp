@@ -153,7 +153,7 @@ TEST(SimulatedHand, EnergyBalancesInEveryFinger) {
       const FingerEnergy& e = finger.energy();
       const double in = e.by_user + e.by_actuator;
       const double lost = e.damping + e.friction + e.stop;
-      // What the steps lose is never given: kinetic + losses stay below what came in.
+      // Energy that the steps lose is never given: kinetic + losses stay below what came in.
       ASSERT_LE(finger.kinetic() + lost, in + 1e-7) << i;
       ASSERT_NEAR(finger.kinetic() + lost, in, 2e-4 + 0.05 * std::abs(in)) << i;
     }

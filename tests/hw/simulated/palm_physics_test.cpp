@@ -17,7 +17,7 @@ PalmPhysics at_origin(const ArmParameters& arm = {}) {
   return {arm, PalmPose{}, -1.0, 1.0};
 }
 
-/// What is left of an aim that jumps by 1 at t = 0: M e_ddot + B e_dot + K e = 0 with e(0) = 1 and,
+/// The rest of an aim that jumps by 1 at t = 0: M e_ddot + B e_dot + K e = 0 with e(0) = 1 and,
 /// because the damper sees the jump too, e_dot(0) = -B/M. Underdamped.
 double left_of_a_jump(double M, double K, double B, double t) {
   const double decay = B / (2.0 * M);

@@ -34,7 +34,7 @@ struct TestEnd {
     out.resize(channel.seal(type, bytes_of(text), out));
     return out;
   }
-  /// What `datagram` says, or the reason why it was rejected.
+  /// Content of `datagram`, or the reason why it was rejected.
   std::string open(const ByteVector& datagram, wire::TimePoint now = {}) {
     ByteVector payload(wire::kLargestPayload);
     const wire::Opened opened = channel.open(datagram, payload, now);

@@ -6,7 +6,7 @@ namespace haptic::core {
 
 namespace {
 
-/// What every formula below is made of, at one pose.
+/// Parts of every formula below, at one pose.
 struct Pose {
   VecX x_probe{};
   MatXQ J{};

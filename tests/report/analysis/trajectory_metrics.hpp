@@ -52,7 +52,7 @@ class TrajectoryAnalysis {
   [[nodiscard]] TrajectoryMetrics metrics(RendererKind kind) const;
 
  private:
-  /// What the renderer itself commands at each pose of the path.
+  /// Command of the renderer itself at each pose of the path.
   [[nodiscard]] std::vector<double> forces(RendererKind kind, const std::vector<VecQ>& path) const;
   [[nodiscard]] std::vector<double> actuated(const std::vector<VecQ>& path) const;
   /// d tau_a/dq_a by `evaluate` at each sample; throws where there is none.

@@ -1,4 +1,4 @@
-# What one newton at the actuator gives at each joint, and the condition of J, for both linkages.
+# Torque of one newton at the actuator at each joint, and the condition of J, for both linkages.
 # csv: haptic-report linkage --map.
 load "style.gp"
 

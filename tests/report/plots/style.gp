@@ -1,4 +1,4 @@
-# What every figure of the report shares. Each draws twice, as SVG and as PNG:
+# Style of every figure of the report. Each draws twice, as SVG and as PNG:
 #
 #   do for [kind in "svg png"] { eval begin(kind, width, height); ...; unset output }
 #

@@ -76,7 +76,7 @@ haptic::server::Scene paced(const BoardThread& board) {
   return scene;
 }
 
-/// What a scrape of the metrics at `port` of this host answers.
+/// Answer to a scrape of the metrics at `port` of this host.
 std::string scraped(std::uint16_t port) {
   const int handle = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in to{};

@@ -31,7 +31,7 @@ core::DrawnMotion motion(const v1::DrawnMotion& message) {
   return motion;
 }
 
-/// What a client makes of it.
+/// The drawing that a client makes of it.
 core::Drawing read(const v1::Drawing& message) {
   core::Drawing drawing;
   for (const v1::DrawnBody& from : message.bodies()) {

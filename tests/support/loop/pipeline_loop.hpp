@@ -7,7 +7,7 @@
 
 namespace haptic::test {
 
-/// What a force that is held over each tick does to the user (core/METHOD.md#passivity-observer:
+/// Work of a force that is held over each tick on the user (core/METHOD.md#passivity-observer:
 /// exact, no velocity). J.
 class EnergyBook {
  public:

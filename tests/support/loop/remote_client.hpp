@@ -14,7 +14,7 @@
 
 namespace haptic::test {
 
-/// What the simulation knew when it computed a sample.
+/// Knowledge of the simulation when it computed a sample.
 struct Frame {
   double seen_s{0.0};      ///< when it looked at the device
   double computed_s{0.0};  ///< when it computed, half the delay later
@@ -29,7 +29,7 @@ struct Frame {
   bool anchored{false};    ///< they are contacts with ids
 };
 
-/// What a law between two samples may look at.
+/// Facts that a law between two samples may look at.
 struct Between {
   const Frame& newest;
   const Frame& previous;      ///< the one delivered before; the newest itself at first

@@ -1,6 +1,6 @@
-/// What haptic::mujoco tells of a shipped model while a probe presses: lines of JSON, for the test
-/// of the same in TypeScript (tests/client/js/mujoco_test.mjs). Each line is a step of 1 ms; every
-/// 20th says the state before it, and what was told after it.
+/// Contacts that haptic::mujoco tells of a shipped model while a probe presses: lines of JSON, for
+/// the test of the same in TypeScript (tests/client/js/mujoco_test.mjs). Each line is a step of 1
+/// ms; every 20th says the state before it, and what was told after it.
 ///
 ///   haptic_mujoco_vectors MODEL.xml    of client/mujoco/examples
 

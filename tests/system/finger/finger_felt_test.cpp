@@ -79,7 +79,7 @@ Felt press(const Row& row, core::RendererKind kind, bool guard, bool force) {
     if (last_q.size() == 2) felt.work += held_force * (q[0] - last_q[0]);
     held_force = record.effort.tau_a[0];
     last_q = q;
-    // What the finger feels: tau_x = w tau_a, w = (S J^{-1})^T.
+    // The torque that the finger feels: tau_x = w tau_a, w = (S J^{-1})^T.
     const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
     const VecX dx = input.proxy.x - x_probe;
     const double along = (J(1, 1) * dx[0] - J(0, 1) * dx[1]) / det;

@@ -31,7 +31,7 @@ export const countOf = (kind: Binding["kind"]): number =>
 
 type Names = readonly Pick<VirtualCoordinate, "name">[];
 
-/** Whether the coordinates from `first` on are `name` followed by each of `ends`. */
+/** True if the coordinates from `first` on are `name` followed by each of `ends`. */
 const spells = (coordinates: Names, first: number, name: string, ends: string[]): boolean =>
   ends.every((end, i) => coordinates[first + i]?.name === name + end);
 

@@ -14,7 +14,7 @@ import type { Quaternion } from "./vectors.js";
 
 const SHORTEST = 1e-3;           // of a quaternion
 
-/** What moves a body, from it to the base. */
+/** The joints that move a body, from it to the base. */
 interface Path {
   joints: Place[];
   /** A point or pose. */
@@ -73,7 +73,7 @@ export class BoundTool {
   ownsDof(dof: number): boolean {
     return this.owned[dof]!;
   }
-  /** Whether each pose's quaternion in x is one: not so short, 1e-3, or long that it is none. */
+  /** True if each pose's quaternion in x is one: not so short, 1e-3, or long that it is none. */
   hasTurns(x: number[]): boolean {
     return this.places.every(({ binding: { kind, firstCoordinate: first } }) => {
       if (kind !== "pose") return true;

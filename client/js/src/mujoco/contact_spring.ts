@@ -71,8 +71,8 @@ export class ContactSpring {
     const step = 1e-4 * Math.max(this.solimp[2]!, 1e-6), at = Math.max(depth, step);
     return Math.max((this.force(at + step) - this.force(at - step)) / (2 * step), 1e-9);
   }
-  /** What to tell of a contact, N/m: inside its slope; before it touches, what force over depth
-   * will be at half of solimp's width. */
+  /** Stiffness to tell for a contact, N/m: inside its slope; before it touches, what force over
+   * depth will be at half of solimp's width. */
   stiffness(depth: number): number {
     if (depth > 0) return this.slope(depth);
     const half = 0.5 * Math.max(this.solimp[2]!, 1e-6);

@@ -6,7 +6,7 @@ import { add, cross, vectorAt } from "./vectors.js";
 
 export type { MainModule, MjData, MjModel } from "@mujoco/mujoco";
 
-/** What is used of mjContact. */
+/** The part of mjContact that is used. */
 export interface EngineContact {
   geom1: number;
   geom2: number;
@@ -23,7 +23,7 @@ export interface EngineContact {
   solimp: number[];
 }
 
-/** What a model keeps for its life, so it is read once. */
+/** Values that a model keeps for its life; they are read once. */
 function constants(model: MjModel) {
   const copy = (view: ArrayLike<number>): number[] => Array.from(view);
   return {

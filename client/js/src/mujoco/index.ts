@@ -21,11 +21,10 @@
  * so only contacts hold the tool back. Their limits are taken off too: the hand that wears the
  * device is where it is, whatever the model thinks.
  *
- * What is published is the balance x = xProbe + W^-1 sum J_i^T n_i f_i / c, with the normal forces
- * f_i that MuJoCo computed (mj_contactForce): the proxy of a tool without mass. In free motion it
- * is xProbe to the bit. Friction is not told.
- *
- * Units are SI: m, rad, N, kg. Frame: MuJoCo's world. */
+ * The published proxy is the balance x = xProbe + W^-1 sum J_i^T n_i f_i / c, with the normal
+ * forces f_i that MuJoCo computed (mj_contactForce): the proxy of a tool without mass. In free
+ * motion it is xProbe to the bit. Friction is not told.  Units are SI: m, rad, N, kg. Frame:
+ * MuJoCo's world. */
 export { byName, joint, point, pose } from "./binding.js";
 export type { Binding } from "./binding.js";
 export { ContactSpring } from "./contact_spring.js";

@@ -61,7 +61,8 @@ export class NearContacts {
     this.inside = new Set(all.filter((c) => this.isOfTool(c) && gapOf(c) < 0).map(pairOf));
   }
 
-  /** What the last step found. `x`: all coordinates where the tool was then; `rate`: qvel then. */
+  /** Contacts that the last step found. `x`: all coordinates where the tool was then; `rate`: qvel
+   * then. */
   find(x: number[], rate: Float64Array): NearContact[] {
     const { engine: { fixed }, tool } = this;
     const all = this.engine.contacts();

@@ -15,7 +15,7 @@ export interface PushedObject {
   load: number;
   /** m/s; > 0: it recedes. */
   velocity: number;
-  /** What share() found: Contact.object and objectDirection, if other contacts push it too. */
+  /** Results of share(): Contact.object and objectDirection, if other contacts push it too. */
   object: number;
   direction: number[];
   /** The topmost of the bodies that move with it. */

@@ -1,4 +1,4 @@
-/** What the tool touches, and what holds that. */
+/** Things that the tool touches, and what holds them. */
 import type { Vector3 } from "../contact.js";
 import type { BoundTool } from "./bound_tool.js";
 import { rowsOf } from "./constraint_rows.js";

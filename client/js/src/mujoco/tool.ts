@@ -79,11 +79,11 @@ export class Tool {
     this.#engine.delete();
   }
 
-  /** Whether the tool follows the probe; false: it is on its way there, see Jumps. */
+  /** True if the tool follows the probe; false: it is on its way there, see Jumps. */
   get following(): boolean {
     return this.#aim.following;
   }
-  /** Whether a body is the tool's. */
+  /** True if a body is the tool's. */
   moves(body: number): boolean {
     return this.#tool.moves(body);
   }

@@ -1,4 +1,4 @@
-// What one peer may cost, over real sockets.
+// Bounds on what one peer may cost, over real sockets.
 #include <gtest/gtest.h>
 
 #include "tests/server/support/test_client.hpp"

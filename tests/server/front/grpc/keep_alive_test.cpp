@@ -77,7 +77,7 @@ class RawHttp2 {
 
  private:
   void write(const std::string& bytes) {
-    // What fails here is seen by the reader.
+    // The reader sees what fails here.
     static_cast<void>(::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL));
   }
   std::optional<std::string> read(std::size_t size) {

@@ -13,7 +13,7 @@ server::Scene tracked(const char* name = "chain_on_tracked_palm") {
   server::Scene scene =
       server::load_scene(std::string(HAPTIC_SOURCE_DIR) + "/server/scenes/" + name + ".textproto");
   scene.server.listen = {"127.0.0.1:0"};
-  // What a busy machine does to the loop, and to two streams, is another test's subject.
+  // The effect of a busy machine on the loop, and on two streams, is another test's subject.
   scene.loop.loop_late_fault = 10s;
   for (server::DeviceScene& device : scene.devices) {
     device.pipeline.scene.staleness.hold_end = 5s;

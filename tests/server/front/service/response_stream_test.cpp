@@ -74,7 +74,7 @@ class ResponseStreamTest : public testing::Test {
     ASSERT_TRUE(rig.sessions->holds_lease(id));
   }
 
-  /// What is still held when the status leaves.
+  /// Things that are still held when the status leaves.
   void look() {
     lease_at_finish = rig.sessions->holds_lease(id);
     id_at_finish = rig.sessions->status().sessions > 0;

@@ -1,4 +1,4 @@
-/// What makes a plane a contact, at the ingress.
+/// Planes that are contacts, at the ingress.
 
 #include <algorithm>
 #include <chrono>

@@ -20,7 +20,7 @@ std::optional<Notice> wait_for(Launcher& launcher) {
   return launcher.next();
 }
 
-/// What a shell script that runs as a front says on its link.
+/// Message of a shell script that runs as a front, on its link.
 std::string told_by(const std::string& script, std::optional<int> loop_cpu = {}) {
   Launcher launcher("/bin/sh", {"-c", "exec >&3; " + script}, {64U << 20U, 0, 5, loop_cpu});
   auto [here, there] = packet_pair();

@@ -1,4 +1,4 @@
-// What the server says of its real-time grant, on hosts of all kinds.
+// The server's word about its real-time grant, on hosts of all kinds.
 #include "server/owner/loop/realtime.hpp"
 
 #include <gmock/gmock.h>

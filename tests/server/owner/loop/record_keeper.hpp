@@ -1,5 +1,5 @@
 #pragma once
-/// What the tests of the loop share: when it starts, and a listener that keeps every record.
+/// Common part of the loop's tests: when it starts, and a listener that keeps every record.
 
 #include <vector>
 

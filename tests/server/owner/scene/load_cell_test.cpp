@@ -46,7 +46,7 @@ server::DeviceScene fragment(const std::string& name, bool by_default = false) {
 /// A finger on a board, under the force control of a scene, and a client with a wall per joint.
 class Pressing {
  public:
-  /// What the cell says instead of `force`, `ms` after the lie began. N.
+  /// The cell's reading instead of `force`, `ms` after the lie began. N.
   using Lie = std::function<double(double force, int ms)>;
 
   Pressing(const server::DeviceScene& scene, const EmulatorConfig& board)

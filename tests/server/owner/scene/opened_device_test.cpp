@@ -1,4 +1,5 @@
-// What a scene takes for granted of its devices: force control, and a clock that paces the loop.
+// Facts that a scene takes for granted of its devices: force control, and a clock that paces the
+// loop.
 #include <array>
 #include <cmath>
 
@@ -106,7 +107,7 @@ TEST(ForceControlScene, ErrorsNamePlaceValueAndRule) {
   });
 }
 
-/// What `check` says; "none" if it throws nothing.
+/// Message of `check`; "none" if it throws nothing.
 template <typename Check>
 std::string refusal(Check check) {
   try {

@@ -33,7 +33,7 @@ class NewFileTest : public testing::Test {
     EXPECT_EQ(::write(file.descriptor, text.data(), text.size()),
               static_cast<ssize_t>(text.size()));
   }
-  /// What create_file() and check_creatable() say; both must refuse for the same reason.
+  /// Message of create_file() and check_creatable(); both must refuse for the same reason.
   static std::string refused(const fs::path& path, bool overwrite) {
     std::string said;
     for (const auto& tried : {std::function<void()>([&] { check_creatable(path, overwrite); }),

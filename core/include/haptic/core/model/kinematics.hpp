@@ -111,7 +111,7 @@ class Kinematics {
   }
   /// Index in q of the first DoF of each pair with PairLimits; none: the box of dofs() says all.
   [[nodiscard]] virtual std::span<const int> limited_pairs() const noexcept { return {}; }
-  /// What stands between the DoFs of pair `which` and the joints that they turn, as a map of its
+  /// The mechanism between the DoFs of pair `which` and the joints that they turn, as a map of its
   /// own: a finger of a hand. Lives as long as this map.
   [[nodiscard]] virtual const Kinematics& mechanism(int /*which*/) const noexcept { return *this; }
   /// The limits of pair `which` with its DoFs at a and b; kCannotClose: it has no pose there.

@@ -1,8 +1,8 @@
 #pragma once
 /// Payloads of the frames of hw/README.md#the-board-protocol. write() and read() are inverse.
 /// read() refuses a wrong length, a count that does not fit and a number that is not finite, so
-/// that a message may be used without further checks; except q of a State, which may be NaN: the
-/// loop must see it, because it is a fault of a sensor.
+/// that a message may be used without further checks. Only q of a State may be NaN: the loop must
+/// see it, because it is a fault of a sensor.
 ///
 /// State, Command and Counters allocate nothing; Identity and Dof are read at the handshake only.
 

@@ -4,9 +4,9 @@
 /// hand a palm that the user's arm moves. Its time is that of the calls, real or virtual. The same
 /// seed and the same calls give the same bits.
 ///
-/// The exoskeleton stands on the hand and not on the ground: whatever its actuators push, they push
-/// between palm and finger, so no wrench of theirs is left over for the arm, and the fingers give
-/// way but the palm does not (core/METHOD.md#forces-at-the-finger: what is left out, and its size).
+/// The exoskeleton stands on the hand and not on the ground. Its actuators push between palm and
+/// finger, so no wrench of theirs is left over for the arm. The fingers give way but the palm does
+/// not (core/METHOD.md#forces-at-the-finger: what is left out, and its size).
 ///
 /// The forces of the last write() act until the next one, as long as the device is armed. DISARMED,
 /// ARMING and ARMED as in hw/device.hpp; LOST only by close().

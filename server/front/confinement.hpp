@@ -1,6 +1,6 @@
 #pragma once
 /// Rights that the front's process gives up before it reads the first byte from the network, so
-/// that a hole in a library there cannot reach the device: the launcher has taken rights and memory
+/// that a hole in a library there cannot reach the device. The launcher has taken rights and memory
 /// away before; this takes files and system calls.
 
 #include <filesystem>

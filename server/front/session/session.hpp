@@ -1,5 +1,5 @@
 #pragma once
-/// One session as the network side sees it, whatever carries its messages: it opens the session at
+/// One session as the network side sees it, whatever carries its messages. It opens the session at
 /// the owner, passes samples and poses on, and keeps what the client is to be told: events,
 /// acknowledgements, how the link does, and which state is due. The rights to the device are the
 /// owner's.

@@ -1,6 +1,6 @@
 #pragma once
-/// The server's UDP socket and its thread: every datagram that waits is taken at once, stamped with
-/// its arrival, and given to the path that its path id names; samples go on to the session and
+/// The server's UDP socket and its thread. Every datagram that waits is taken at once, stamped with
+/// its arrival, and given to the path that its path id names. Samples go on to the session and
 /// through the same ingress as those of the stream, in the order of arrival. The ingress's mailbox
 /// keeps the newest.
 ///

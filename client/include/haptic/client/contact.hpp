@@ -1,7 +1,7 @@
 #pragma once
-/// Contacts for a simulation that knows its own geometry: where a point of the tool is, how near an
-/// object is to it, and how that object gives way. contact_at() makes of these the Plane that the
-/// server evaluates at 1 kHz (proto/README.md, Contacts), second order included.
+/// Contacts for a simulation that knows its own geometry: the place of a point of the tool, how
+/// near an object is to it, and how that object gives way. From these contact_at() makes the Plane
+/// that the server evaluates at 1 kHz (proto/README.md, Contacts), second order included.
 ///
 ///   const auto pad = point_on_finger({0.045, 0.040}, x, 1, 0.03, 0.008);  // on phalanx 1
 ///   Contact c{.point = pad, .normal = n, .gap = gap, .stiffness = 400.0, .id = 1};

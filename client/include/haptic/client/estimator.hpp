@@ -13,11 +13,11 @@ namespace haptic::client {
 /// compliance C / (1 - C), C = dx/dx_probe along the normal.
 ///
 /// C is the slope of the proxies over the probes of up to the last 8 samples in which the probe
-/// moved one way, if it moved by kMotion or more: below that noise and the solver's rest decide.
-/// It is told on the stiff side: less one standard error, and from 0 (rigid) to kSoftest, because a
-/// proxy that lags behind its solver looks softer or stiffer than it is: the force errs then, more
-/// than that of a client that knows its stiffness (contact.hpp). Without motion C stays what it
-/// was, also over a free sample, and it is 0 at first. A block is taken to touch one object.
+/// moved one way, if it moved by kMotion or more: below that noise and the solver's rest decide. It
+/// is told on the stiff side: less one standard error, and from 0 (rigid) to kSoftest. A proxy that
+/// lags behind its solver looks softer or stiffer than it is, so the force errs more than that of a
+/// client that knows its stiffness (contact.hpp). Without motion C stays what it was, also over a
+/// free sample, and it is 0 at first. A block is taken to touch one object.
 class ContactEstimator {
  public:
   static constexpr double kMotionMetres = 5e-4, kMotionRadians = 1e-2;

@@ -46,9 +46,9 @@ struct Solution {
 /// The x that minimises, near options.start,
 ///   coupling / 2 (x - x_probe)^T W (x - x_probe) + sum_i stiffness_i / 2 min(gap_i(x), 0)^2,
 /// with gap_i >= 0 where the stiffness is infinite. `coupling`: N/m if x is in m, N m/rad if in
-/// rad, > 0. Objects stand still meanwhile; their motion is told by the planes. x - x_probe is a
-/// plain difference of numbers: let an angle of x_probe be the one nearest to the start, and a
-/// quaternion have the sign that is nearer; the length of a quaternion in x is not kept at 1.
+/// rad, > 0. Objects stand still meanwhile; their motion is told by the planes. The difference x -
+/// x_probe is one of plain numbers: let an angle of x_probe be the one nearest to the start, and a
+/// quaternion have the sign that is nearer. The length of a quaternion in x is not kept at 1.
 ///
 /// The method is sequential quadratic programming (Nocedal and Wright, Numerical Optimization, 18.1
 /// and 18.4): Newton's method with the contacts' curvature, each step cut until energy and

@@ -97,9 +97,10 @@ struct Plane {
   /// Names the contact from sample to sample; 0: none. With one in any plane the sample's position
   /// must be the simulation's own proxy.
   std::uint32_t id{0};
-  /// An object that is pushed, as felt along the normal, all by the stiffness of the coupling: its
-  /// mass, 0: it is not pushed; damping and stiffness to ground, >= 0; and the force on it at this
-  /// sample but for the contact's and the damping's, > 0: it pushes the object away.
+  /// The law of an object that is pushed, as felt along the normal, divided by the stiffness of the
+  /// coupling. Mass 0: it is not pushed. Damping and stiffness to ground are >= 0. The load is the
+  /// force on it at this sample but for the contact's and the damping's; > 0: it pushes the object
+  /// away.
   double mass{0.0}, damping{0.0}, ground_stiffness{0.0}, load{0.0};
   /// The contact's stiffness lies within 1 -+ this times what is told; 0: exactly there. If all
   /// planes of a sample have it, the states say how far the force felt may be off.

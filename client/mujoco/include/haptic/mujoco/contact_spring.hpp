@@ -2,7 +2,7 @@
 /// The spring that a MuJoCo contact is when it is held still.
 ///
 /// MuJoCo gives each contact the reference acceleration a_ref = -B v - K d(r) r, with r the
-/// penetration (negative), and exerts f = (a_ref - a) / R, R = (1 - d) / d A, A its estimate of
+/// penetration (negative), and exerts f = (a_ref - a) / R, R = (1 - d) / d A. A is its estimate of
 /// J M^-1 J^T: the inverse mass that meets at the contact, from body_invweight0 of both bodies. At
 /// rest (v = a = 0) that is a spring,
 ///

@@ -37,7 +37,7 @@ namespace haptic::mujoco {
 
 struct ToolOptions {
   /// c > 0: N/m if x is in m, N m/rad if in rad. A force f displaces the proxy by f / c, and the
-  /// device makes force of displacement: as large as f if c is the stiffness that it displays
+  /// device makes force of displacement. It is as large as f if c is the stiffness that it displays
   /// (w Z_q w^T: 0.15 N m/rad of a finger exoskeleton at 1500 N/m), magnified if c is smaller.
   double coupling{0.0};
   /// Diagonal of the scene's metric W, one per coordinate, > 0; empty: all 1. With `metric {
@@ -63,10 +63,10 @@ class Tool {
   /// tool's DoFs, and of those that carry a bound site or body, is the tool's: put forces of your
   /// own into xfrc_applied. Runs mj_forward.
   ///
-  /// Throws std::invalid_argument, which names binding, value and what is allowed: an unknown name,
-  /// a coordinate that is bound twice, has no weight or is not below 10000, a ball or free joint, a
-  /// scale of 0, a coupling or a weight that is not above 0, and a spring too stiff for the model's
-  /// step (step sqrt(c w / m) > 0.5).
+  /// Throws std::invalid_argument, which names binding, value and what is allowed, for these: an
+  /// unknown name, a coordinate that is bound twice, has no weight or is not below 10000; a ball or
+  /// free joint; a scale of 0; a coupling or a weight that is not above 0. It also throws for a
+  /// spring too stiff for the model's step (step sqrt(c w / m) > 0.5).
   Tool(mjModel* model, mjData* data, const std::vector<Binding>& bindings,
        const ToolOptions& options);
   ~Tool();

@@ -4,9 +4,9 @@
 ///   M_i s_i'' = sum_j e_i.e_j sqrt(M_i / M_j) l_j + load_i - D_i s_i' - k_i s_i,
 /// s_i how far the surface has receded since its sample, l_j the multipliers of the contacts on the
 /// same object, e the directions in which they push it. The trapezoidal rule makes s linear in the
-/// l that is looked for, so that contacts with a law are some that give way by free() + give() l,
-/// for the same solver: stable for every mass, and as passive as the law; of several contacts on
-/// one object if D_i / M_i and k_i / M_i are the same for all of them. Never allocates.
+/// unknown l, so a contact with a law gives way by free() + give() l in the same solver. It is
+/// stable for every mass and as passive as the law. Several contacts on one object are so if D_i /
+/// M_i and k_i / M_i are the same for all of them. Never allocates.
 
 #include <array>
 

@@ -1,8 +1,8 @@
 #pragma once
-/// The mass of a pushed object by the mass that its samples tell, learnt from the samples
-/// (core/METHOD.md#pushed-objects): two of them say by how much the object became faster, and the
-/// law that begins at the first one and is replayed with the probes until the second one says by
-/// how much it should. Least squares over what was seen lately. Never allocates.
+/// The ratio of a pushed object's mass to the mass that its samples tell, learnt from the samples
+/// (core/METHOD.md#pushed-objects). Two samples say by how much the object became faster. The law
+/// that begins at the first one, replayed with the probes until the second one, says by how much it
+/// should. Least squares over what was seen lately. Never allocates.
 
 namespace haptic::core {
 

@@ -159,10 +159,10 @@ class PlaneProjection {
   /// Parts of error(): how far x may be off, and then each contact. `left`: of curved contacts.
   /// False: nothing follows from gaps that are told whole (`whole`) so far off.
   bool proxy_error(double age_error, bool whole, Remainder* left, ProxyError& out) const noexcept;
-  /// Errors that a sample leaves open, per contact i, in ||.||_W: how far x is off because its
-  /// stiffness is uncertain (`slope`) and because other contacts may carry its force (`share`); how
-  /// far its gap may be off (`gap`), and how far x is from touching it (`room`). Only the first
-  /// `count_` entries are written: clearing the four arrays costs as much as all the rest.
+  /// Errors that a sample leaves open, per contact i, in ||.||_W. x is off by `slope` because its
+  /// stiffness is uncertain, and by `share` because other contacts may carry its force. Its gap may
+  /// be off by `gap`, and x is `room` from touching it. Only the first `count_` entries are
+  /// written: clearing the four arrays costs as much as all the rest.
   struct Open {
     double slope[kMaxPlanes], share[kMaxPlanes], gap[kMaxPlanes], room[kMaxPlanes];
     double bent{0.0};  ///< sum of l_i ||H_i||: the share of E that curvature adds, at most

@@ -5,7 +5,7 @@
 ///   m v_dot + d v = reference - measured,   x_dot = v,   |v| <= max_rate,   lower <= x <= upper
 ///
 /// At rest measured = reference, whatever the actuator's friction and gearing. Both parts are
-/// implicit in v, so that any m and d are stable by themselves; against a surface of stiffness k
+/// implicit in v, so that any m and d are stable by themselves. Against a surface of stiffness k
 /// the loop needs d > k T roughly (T the step), and m below d^2 / (4 k) for a response without
 /// overshoot.
 

@@ -1,7 +1,7 @@
 #pragma once
-/// Closed loop on the measured force of one actuator: the commanded force tau_a is its reference,
+/// Closed loop on the measured force of one actuator. The commanded force tau_a is its reference,
 /// as on the paper's device (section VI: "tau_a is used as reference force for a closed loop force
-/// control"), where a load cell sits between actuator and linkage.
+/// control"), whose load cell sits between actuator and linkage.
 ///
 ///   e = reference - measured
 ///   u = reference + K_P e + I + F_c clamp(e / band, -1, 1),   I_dot = K_I e

@@ -2,9 +2,9 @@
 /// min ||J dq - dx|| for the small Jacobians of devices, by Householder QR of [J_n | J_a]. One
 /// factorisation gives the linearised subspace proxy, Eq. (8), and the null-space force, Eq. (4)
 /// (core/METHOD.md#solver-choice). If the condition of the equilibrated J exceeds 1e8, or n_x <
-/// n_q, a column-pivoted QR decides the rank, and the answer is the one of minimum norm in a metric
-/// whose actuated block is Z_q (core/METHOD.md#rank-and-prior): bounded, independent of units, and
-/// reported by status().
+/// n_q, a column-pivoted QR decides the rank. The answer is then the one of minimum norm in a
+/// metric whose actuated block is Z_q (core/METHOD.md#rank-and-prior): bounded, independent of
+/// units, and reported by status().
 
 #include <memory>
 

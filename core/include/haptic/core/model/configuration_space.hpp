@@ -2,12 +2,12 @@
 /// X: the coordinates of the virtual object, their names, units and kinds, and the difference
 /// x (-) x_probe.
 ///
-/// A rotation in X is the four parts of a unit quaternion, and so is the difference of two:
-/// sign x/|x| - x_probe with the sign that makes it the shorter one (x and -x are one rotation).
-/// That is a chord of the unit sphere: twice its length is 4 sin(theta/4), 0.3 % short of the angle
-/// at 0.5 rad and 1.0 % at 1 rad, smooth up to theta = pi, and its derivative is exactly -J, so
-/// no Jacobian of a logarithm enters (the chord 2 sin(theta/2) would be 4 % short at
-/// 1 rad and flat at pi; core/METHOD.md#metric-and-limits).
+/// A rotation in X is the four parts of a unit quaternion, and so is the difference of two: sign
+/// x/|x| - x_probe with the sign that makes it the shorter one (x and -x are one rotation). That is
+/// a chord of the unit sphere: twice its length is 4 sin(theta/4), 0.3 % short of the angle at 0.5
+/// rad and 1.0 % at 1 rad. It is smooth up to theta = pi, and its derivative is exactly -J, so no
+/// Jacobian of a logarithm enters (core/METHOD.md#metric-and-limits). (The chord 2 sin(theta/2)
+/// would be 4 % short at 1 rad and flat at pi.)
 
 #include <string>
 #include <vector>

@@ -1,8 +1,8 @@
 #pragma once
 /// The direction guard (core/METHOD.md#forces-at-the-finger): the elastic force must not point away
-/// from the proxy as the finger feels it, Eq. (15): tau_a^T (S J^+ dx) >= 0; otherwise it is
-/// withheld for the tick, and so is one that pushes into a contact deeper than contact_band():
-/// tau_a^T (S J^+ out_i) >= 0 for each; a map with several fingers is judged by the sum alone. If
+/// from the proxy as the finger feels it, Eq. (15): tau_a^T (S J^+ dx) >= 0. Otherwise it is
+/// withheld for the tick. So is a force that pushes into a contact deeper than contact_band():
+/// tau_a^T (S J^+ out_i) >= 0 for each. A map with several fingers is judged by the sum alone. If
 /// the map has blocks each is evaluated by itself; the J of a block with dx = 0 is not read.
 
 #include <memory>

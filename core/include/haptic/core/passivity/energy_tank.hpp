@@ -1,17 +1,17 @@
 #pragma once
 /// The energy tank (core/METHOD.md#energy-tank): the force may give only as much energy as the tank
 /// holds. A spring that stores more than that is lent as long as its force keeps within what is
-/// left in the next hold, even if the hand lets go: the force ends as what is left ends, and is
+/// left in the next hold, even if the hand lets go. The force ends as what is left ends, and is
 /// whole again when the user has put in enough. It reckons with V(q_a) and with the force that was
 /// held over each tick, so that for every client, renderer, rate and delay
 ///   energy given to the user, net of the device's own damping
 ///     <= initial + integral P_env dt + debt.
-/// The level falls below 0 only by what the tank cannot refuse: the leak of the hold on a device
-/// whose damping is unknown or too small (K T/2 > b, core/METHOD.md#sampled-data), and a limited or
-/// late force; and, while a spring is lent, the surprise of a device that something else pushes
-/// along the force (Motion::share()). The spring then pays at once, out of what it stores; debt is
-/// what the whole spring could not pay. If the tank only refused further changes and kept the
-/// spring, a stiff spring would give out 100 times as much energy (measured).
+/// The level falls below 0 only by what the tank cannot refuse. That is the leak of the hold on a
+/// device whose damping is unknown or too small (K T/2 > b, core/METHOD.md#sampled-data), and a
+/// limited or late force. While a spring is lent, it is also the surprise of a device that
+/// something else pushes along the force (Motion::share()). The spring then pays at once, out of
+/// what it stores; debt is what the whole spring could not pay. If the tank only refused further
+/// changes and kept the spring, a stiff spring would give out 100 times as much energy (measured).
 
 #include <tuple>
 
@@ -51,7 +51,7 @@ struct Motion {
   VecA slew{};  ///< by which a force can fall from hold to hold, n_a; size 0: at once
 
   /// The largest share, 0 to 1, of a force tau (n_a) that gives no more than `left` (J, > 0) in the
-  /// next hold and in those in which it then falls by `slew`, in which it makes the device faster
+  /// next hold and in those in which it then falls by `slew`. In these it makes the device faster
   /// too, if nothing else pushes the device along it: a hand may let go with any sample.
   [[nodiscard]] double share(const VecA& tau, double left) const noexcept;
 };

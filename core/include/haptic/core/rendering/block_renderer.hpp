@@ -32,8 +32,8 @@ class BlockRenderer {
   [[nodiscard]] BlockSet reads_J(BlockSet displaced) const noexcept;
   /// Upper bound of displayed stiffness over Z_q per actuated DoF (n_a, >= 1) at this pose with the
   /// proxy held; the energy tank's spring is that much stiffer (core/METHOD.md#energy-tank). Eq.
-  /// (6) and (8) display Z_q: 1. Eq. (1) displays J_a^T Z_x J_a, Eq. (2), and Eq. (4) at most that;
-  /// with one scale of Z_x for all poses this may be several times Z_q, and a tank that booked Z_q
+  /// (6) and (8) display Z_q: 1. Eq. (1) displays J_a^T Z_x J_a, Eq. (2), and Eq. (4) at most that.
+  /// With one scale of Z_x for all poses this may be several times Z_q, and a tank that booked Z_q
   /// would charge more energy than the user put in. A block with several actuators uses the trace
   /// of Z_q^{-1} J_a^T Z_x J_a for its largest eigenvalue. Idle blocks: 1. Never allocates.
   void displayed_bound(const Probe& probe, const VecX& dx, const VecA& stiffness,

@@ -93,8 +93,8 @@ void check_coupling(const Kinematics& kinematics, const StiffnessCoupling& coupl
 /// with three, 11 with four; finger exoskeleton 3.
 inline constexpr double kWellConditioned = 100.0;
 
-/// Throws SceneError if the scene needs a prior and has none: the condition of J, weighed and
-/// equilibrated, exceeds kWellConditioned in at least half of the poses of the box (
+/// Throws SceneError if the scene needs a prior and has none. It needs one if the condition of J,
+/// weighed and equilibrated, exceeds kWellConditioned in at least half of the poses of the box (
 /// core/METHOD.md#hand-without-prior: without one the two-fingered hand answers 3 mm of noise with
 /// hundreds of radians).
 void require_rank(const ProjectionModel& model);

@@ -83,7 +83,7 @@ enum BoardFault : std::uint8_t {
   kForceOverLimit = 1,
   kSensorStuck = 2,  ///< a sensor has given the very same reading for too long
   kSensorRange = 4,  ///< a sensor reads what it cannot: broken wire, shorted
-  kActuator = 8,     ///< over-current, over-temperature, no motion where there must be one
+  kActuator = 8,     ///< over-current, over-temperature, no motion although there must be one
   kSupply = 16,      ///< under-voltage
 };
 

@@ -15,7 +15,7 @@
 namespace haptic::client {
 
 /// Your objects: gives the contacts of the tool at x, touched or near. solve() calls it 5 to 20
-/// times as a rule. From one x to the next a contact may come or go where its gap is > 0.
+/// times as a rule. From one x to the next a contact may come or go if its gap is > 0.
 using ContactsAt = std::function<std::vector<Contact>(const std::vector<double>& x)>;
 
 struct SolveOptions {
@@ -45,7 +45,7 @@ struct Solution {
 
 /// The x that minimises, near options.start,
 ///   coupling / 2 (x - x_probe)^T W (x - x_probe) + sum_i stiffness_i / 2 min(gap_i(x), 0)^2,
-/// with gap_i >= 0 where the stiffness is infinite. `coupling`: N/m if x is in m, N m/rad if in
+/// with gap_i >= 0 if the stiffness is infinite. `coupling`: N/m if x is in m, N m/rad if in
 /// rad, > 0. Objects stand still meanwhile; their motion is told by the planes. The difference x -
 /// x_probe is one of plain numbers: let an angle of x_probe be the one nearest to the start, and a
 /// quaternion have the sign that is nearer. The length of a quaternion in x is not kept at 1.

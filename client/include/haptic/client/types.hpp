@@ -21,7 +21,7 @@ enum class Renderer : std::uint8_t {
   kNullSpace = 2,       ///< the same without what the unactuated DoFs feel, Eq. (3)-(4)
   kSubspaceLinear = 3,  ///< the subspace proxy, linearised, Eq. (7)-(8)
   kSubspaceExact = 4,   ///< the subspace proxy, Eq. (6)
-  kPerContact = 5,      ///< Eq. (8), held back where it would push into a contact
+  kPerContact = 5,      ///< Eq. (8), held back if it would push into a contact
 };
 
 struct DegreeOfFreedom {

@@ -35,7 +35,7 @@ class DeviceError : public Error {
   using Error::Error;
 };
 
-/// Real-time scheduling or memory locking refused where it was required.
+/// Real-time scheduling or memory locking refused although it was required.
 class RealtimeError : public Error {
  public:
   using Error::Error;

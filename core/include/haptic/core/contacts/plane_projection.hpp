@@ -92,7 +92,7 @@ class PlaneProjection {
   /// Every contact and how deep the probe is beyond it; one that was left out has direction 0 and
   /// depth -1.
   [[nodiscard]] const Contacts& contacts() const noexcept { return contacts_; }
-  /// Bit i is set where contact i holds x.
+  /// Bit i is set if contact i holds x.
   [[nodiscard]] std::uint32_t active() const noexcept { return dual_.held(); }
   /// Energy of the contacts, 1/2 sum max(0, -phi_i)^2 / gamma_i, and of the objects behind them.
   [[nodiscard]] double stored() const noexcept;

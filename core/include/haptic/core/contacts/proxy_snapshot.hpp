@@ -13,7 +13,7 @@ namespace haptic::core {
 
 enum class ProxyMode : std::uint8_t {
   kNone = 0,    ///< no proxy was ever accepted under this lease
-  kHeld = 1,    ///< x stays until the next sample, but follows the probe where it was the probe
+  kHeld = 1,    ///< x stays until the next sample, but parts equal to the probe follow it
   kFree = 2,    ///< nothing in the way: no elastic force, no drag
   kPlanes = 3,  ///< x is the haptic probe, kept out of the sample's planes in every tick
 };
@@ -32,7 +32,7 @@ inline constexpr int kMaxMotions = 6;
 /// Contacts (core/METHOD.md#contacts). Contact i has at x, with z = x - the sample's own x and an
 /// age of t seconds, the gap
 ///   phi_i(x) = b_i + v_i t - n_i^T x + 1/2 z^T H_i z,
-/// which is >= 0 where the object is not touched. A normal is a covector: unit of b_i per unit of
+/// which is >= 0 if the object is not touched. A normal is a covector: unit of b_i per unit of
 /// each coordinate; its length is free (n, b, v, H may be scaled together, gamma by the square).
 /// A plane, n_i^T x <= b_i, is a contact without compliance, velocity and curvature.
 struct PlaneSet {
@@ -86,7 +86,7 @@ struct ProxySnapshot {
   ProxyMode mode{ProxyMode::kNone};
   std::uint32_t tenure{0};  ///< of the lease it was accepted under
   std::uint64_t seq{0};
-  /// The time from which its age is counted: the local arrival, or earlier where a synchronised
+  /// The time from which its age is counted: the local arrival, or earlier if a synchronised
   /// source time says so; never later.
   TimePoint born{};
   /// When its contacts were true, by the best estimate of the source's clock; TimePoint{}: not

@@ -25,7 +25,7 @@ class BoxedLeastSquares {
   /// the coefficients p'.
   void turn(int k, const double (&first)[2], const double (&second)[2]) noexcept;
 
-  /// lower <= p <= upper, where lower <= 0 <= upper: 0 is the p to start from. `metric_root`: the
+  /// lower <= p <= upper, with lower <= 0 <= upper: 0 is the p to start from. `metric_root`: the
   /// square root of M^{-1}, n, that decides p if columns depend on each other. All rows must
   /// have been added. Never allocates; what is not finite gives p = 0.
   void solve(const VecQ& lower, const VecQ& upper, const VecQ& metric_root) noexcept;

@@ -70,7 +70,7 @@ class BlockRenderer {
 
   RendererKind kind_;
   ProjectionModel model_;
-  bool idle_possible_{true};         ///< no prior, which pulls even where dx = 0
+  bool idle_possible_{true};         ///< no prior, which pulls even if dx = 0
   std::optional<Renderer> whole_{};  ///< of a map without blocks
   std::vector<Block> blocks_{};      ///< else one per block
 };

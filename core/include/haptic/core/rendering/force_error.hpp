@@ -27,7 +27,7 @@ class ForceError {
   /// The model's kinematics must outlive this.
   explicit ForceError(const ProjectionModel& model);
   /// Writes how far Z_q S (q* - q) may be from that of the simulation's own proxy (n_a). False:
-  /// nothing is known. Evaluates the map only where J is not known. Never allocates.
+  /// nothing is known. Evaluates the map only if J is not known. Never allocates.
   [[nodiscard]] bool at(const Renders& renders, const Contacts& contacts, const ProxyError& error,
                         VecA& force) noexcept;
 

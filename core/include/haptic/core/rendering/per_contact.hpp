@@ -105,7 +105,7 @@ class PerContact {
                                  const VecQ& target, const VecA& stiffness) noexcept;
   [[nodiscard]] VecQ damping_weight(const MatXQ& J, const VecA& stiffness,
                                     double share) const noexcept;
-  /// The force limits; 0 where there is no stiffness.
+  /// The force limits; 0 if there is no stiffness.
   [[nodiscard]] VecA most(const ContactView& view, const VecA& stiffness) const noexcept;
   /// tau_ <- the bounded optimum for several actuators. True: a contact held it back.
   bool hold_back(const LeastSquares& solver, const VecA& limit) noexcept;

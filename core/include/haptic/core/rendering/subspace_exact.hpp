@@ -53,7 +53,7 @@ class SubspaceExact {
   Projection local_{};  ///< the optimum of the former branch
   VecQ branch_{};       ///< the optimum of the branch that was chosen; solution_ may be on its way
   VecX x_before_{};     ///< whose solution branch_ is
-  VecQ box_{};          ///< 1 / width of the box, 0 where there is none
+  VecQ box_{};          ///< 1 / width of the box, 0 if there is none
   VecX x_at_{}, r_{};
   MatXQ J_{};
   bool uniform_;  ///< W is a multiple of the identity

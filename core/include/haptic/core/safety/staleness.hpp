@@ -34,7 +34,7 @@ struct StalenessLimits {
 /// 2.5 nominal periods of a client of this rate, clamped to 5..80 ms
 /// (proto/README.md#staleness-and-gain). rate_hz > 0.
 [[nodiscard]] Duration default_fresh_end(double rate_hz) noexcept;
-/// nullptr where the limits hold together (0 < fresh_end <= hold_end, fade_end - hold_end >= 50
+/// nullptr if the limits hold together (0 < fresh_end <= hold_end, fade_end - hold_end >= 50
 /// ms); else what is wrong, to be shown with the values.
 [[nodiscard]] const char* check(const StalenessLimits& limits) noexcept;
 /// Limits that a session wants (if they hold together, else the scene's), with hold_end and

@@ -31,7 +31,7 @@ class Mailbox {
         kIndex);
   }
 
-  /// Reader's thread only. True where the value is newer than that of the previous take().
+  /// Reader's thread only. True if the value is newer than that of the previous take().
   bool take() noexcept {
     if ((table_.load(std::memory_order_relaxed) & kNew) == 0) return false;
     read_ = static_cast<std::uint8_t>(table_.exchange(read_, std::memory_order_acq_rel) & kIndex);

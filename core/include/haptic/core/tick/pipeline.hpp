@@ -42,7 +42,7 @@ struct TrackerSettings {
 
 struct PipelineConfig {
   std::shared_ptr<const Kinematics> kinematics{};
-  ProjectionSettings projection{};  ///< metric W_x, and the prior where the map needs one
+  ProjectionSettings projection{};  ///< metric W_x, and the prior if the map needs one
   DeviceLimits device{};
   RenderSettings scene{};  ///< the widest settings; a session's are held within these
   Duration loop_late_fault{std::chrono::milliseconds(20)};
@@ -58,7 +58,7 @@ struct PipelineConfig {
 
 class Pipeline {
  public:
-  /// Throws SceneError where sizes or limits do not fit together, and where x does not determine q
+  /// Throws SceneError if sizes or limits do not fit together, and if x does not determine q
   /// and no prior is given (require_rank: core/METHOD.md#hand-without-prior).
   explicit Pipeline(PipelineConfig config);
   ~Pipeline();

@@ -1,5 +1,5 @@
 #pragma once
-/// Ring: one writer, one reader, every value in order. The writer never waits: where the reader is
+/// Ring: one writer, one reader, every value in order. The writer never waits: if the reader is
 /// too slow the value is dropped and counted.
 
 #include <atomic>

@@ -19,7 +19,7 @@ struct DeviceSample {
   std::uint64_t seq{0};
   TimePoint time{};     ///< when it was measured, on the server's steady clock
   VecQ q{};             ///< n_q; m or rad
-  VecA tau_measured{};  ///< n_a, N or N m; size 0 where the device measures no force
+  VecA tau_measured{};  ///< n_a, N or N m; size 0 if the device measures no force
 
   [[nodiscard]] auto members() const noexcept { return std::tie(seq, time, q, tau_measured); }
 };
@@ -44,7 +44,7 @@ struct DeviceReading {
 /// A tracked palm stands in q as position and rotation vector.
 inline constexpr std::size_t kPalmDofs = 6;
 
-/// The newest accepted pose of the tracked palm, where a client says it (role tracker).
+/// The newest accepted pose of the tracked palm, if a client says it (role tracker).
 struct TrackerSnapshot {
   std::uint64_t seq{0};         ///< 0: none was accepted so far
   TimePoint born{};             ///< what its age is counted from: the local arrival, or earlier
@@ -109,7 +109,7 @@ struct TickInput {
   LoopReport loop{};
   DeviceReading device{};
   ProxySnapshot proxy{};
-  TrackerSnapshot tracker{};  ///< only where the scene has a tracker
+  TrackerSnapshot tracker{};  ///< only if the scene has a tracker
   CommandSnapshot command{};
   RenderSettings settings{};
 

@@ -117,7 +117,7 @@ enum class DeratingReason : std::uint8_t {
   kPlanes = 3,  ///< of planes that are not anchored and change from sample to sample
 };
 
-/// The stiffness in effect, where that is not the settings' (core/METHOD.md#stiffness-in-effect).
+/// The stiffness in effect, if that is not the settings' (core/METHOD.md#stiffness-in-effect).
 struct DeratingRecord {
   DeratingReason reason{DeratingReason::kNone};
   Duration delay{0};  ///< measured, mean: age of the samples; of what the proxy was computed from

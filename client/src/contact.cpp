@@ -5,6 +5,7 @@
 #include <string>
 
 #include "haptic/client/planes.hpp"
+#include "told.hpp"
 
 namespace haptic::client {
 
@@ -172,16 +173,8 @@ Plane contact_at(const std::vector<double>& x, const Contact& contact, double co
   for (std::size_t j = 0; j < n; ++j) gradient[first + j] = dot(contact.normal, point.jacobian[j]);
   Plane plane = haptic::client::contact(x, contact.gap, gradient);
   plane.compliance = coupling / contact.stiffness;
-  plane.velocity = contact.velocity;
   plane.first_coordinate = static_cast<std::uint32_t>(first);
-  plane.id = contact.id;
-  plane.mass = contact.mass / coupling;
-  plane.damping = contact.damping / coupling;
-  plane.ground_stiffness = contact.ground_stiffness / coupling;
-  plane.load = contact.load / coupling;
-  plane.uncertainty = contact.uncertainty;
-  plane.object = contact.object;
-  plane.object_direction = contact.object_direction;
+  tell(contact, coupling, plane);
   if (plane.object != 0 && plane.object_direction.empty()) {
     plane.object_direction.assign(contact.normal.begin(), contact.normal.end());
   }

@@ -11,6 +11,8 @@ namespace haptic::client {
 
 /// `received` is now.
 [[nodiscard]] DeviceState to_state(const v1::DeviceState& message);
+/// Generated.
+void write(const Plane& from, v1::Plane& to);
 [[nodiscard]] Event to_event(const v1::Event& message);
 [[nodiscard]] DeviceInfo to_info(const v1::Device& message);
 [[nodiscard]] ServerInfo to_info(const v1::GetServerInfoResponse& message);

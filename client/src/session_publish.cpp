@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "convert.hpp"
 #include "haptic/client/planes.hpp"
 #include "remote_session.hpp"
 #include "udp_carrier.hpp"
@@ -64,24 +65,7 @@ void RemoteSession::publish(Proxy proxy) noexcept {
       sample.set_seq(number);
       round_trip_.published(number, now);
       sample.set_mode(static_cast<v1::ProxyMode>(proxy.mode));
-      for (const Plane& plane : proxy.planes) {
-        v1::Plane& sent = *sample.add_planes();
-        sent.mutable_normal()->Add(plane.normal.begin(), plane.normal.end());
-        sent.set_offset(plane.offset);
-        sent.set_compliance(plane.compliance);
-        sent.set_velocity(plane.velocity);
-        sent.mutable_curvature()->Add(plane.curvature.begin(), plane.curvature.end());
-        sent.set_first_coordinate(plane.first_coordinate);
-        sent.set_id(plane.id);
-        sent.set_mass(plane.mass);
-        sent.set_damping(plane.damping);
-        sent.set_ground_stiffness(plane.ground_stiffness);
-        sent.set_load(plane.load);
-        sent.set_object(plane.object);
-        sent.mutable_object_direction()->Add(plane.object_direction.begin(),
-                                             plane.object_direction.end());
-        if (plane.uncertainty) sent.set_uncertainty(*plane.uncertainty);
-      }
+      for (const Plane& plane : proxy.planes) write(plane, *sample.add_planes());
       sample.set_device_seq_used(used);
       if (used != 0 && used == given.seq) sample.set_hold_us(microseconds(now - given.received));
     });

@@ -13,6 +13,7 @@ import c
 import cpp
 import csharp
 import owner
+import planes
 from schema import Schema
 
 KINDS = {
@@ -22,6 +23,7 @@ KINDS = {
     "c": c.state_header,                  # haptic_state
     "c_convert": c.state_conversion,      # client::DeviceState -> haptic_state
     "csharp": csharp.state,               # DeviceState, and how it is read
+    **planes.KINDS,
 }
 
 

@@ -22,7 +22,8 @@ AXES = {"": "", "DOF": "per DoF", "ACTUATED": "per actuated DoF", "COORDINATE": 
 class Field:
     """kind: double, uint32, uint64, int64, enum or message; type: name of that enum or message.
 
-    axis: "", DOF, ACTUATED or COORDINATE. optional: its absence can be told from 0.
+    axis: "", DOF, ACTUATED or COORDINATE. optional: its absence can be told from 0. The rest are
+    options of field_options.proto.
     """
 
     message: str
@@ -38,6 +39,10 @@ class Field:
     source: str
     called: str
     comment: str
+    allowed: str
+    by_coupling: bool
+    of_geometry: bool
+    placed: bool
 
     @property
     def is_time(self) -> bool:
@@ -123,7 +128,8 @@ class Schema:
         return Field(message, field.name, field.number, _KINDS.get(field.type, ""),
                      field.type_name.split(".")[-1], field.label == field.LABEL_REPEATED,
                      field.proto3_optional, "" if axis == "UNSPECIFIED" else axis, said("unit"),
-                     said("bits"), said("from"), said("called") or field.name, comment)
+                     said("bits"), said("from"), said("called") or field.name, comment,
+                     said("allowed"), said("by_coupling"), said("of_geometry"), said("placed"))
 
     def _options(self, owner, name: str):
         """Reads an option of the field or enum by its name."""

@@ -77,7 +77,10 @@ using Curvature3 = std::array<double, 6>;
 [[nodiscard]] Curvature3 cylinder_curvature(const Vector3& normal, const Vector3& axis,
                                             double distance);
 
-/// A point of the tool against an object.
+/// A point of the tool against an object. contact_fields.inc has `velocity`, `id`, `mass` and what
+/// else a Plane tells as well. An empty `object_direction` is the normal, of a body that does not
+/// turn; say it yourself if the points of contacts on one object have different frames, as those of
+/// point_on_finger() of two fingers have.
 struct Contact {
   PointMap point{};
   Vector3 normal{};  ///< of the object at the nearest point, outwards, of length 1
@@ -85,22 +88,7 @@ struct Contact {
   Curvature3 curvature{};
   /// k of point and object in series, N/m, > 0. Infinite: rigid.
   double stiffness{std::numeric_limits<double>::infinity()};
-  double velocity{0.0};  ///< of the object along -normal, m/s; > 0: it recedes
-  std::uint32_t id{0};   ///< names the contact from sample to sample; 0: none
-  /// The motion along the normal of an object that is pushed. Mass in kg; 0: the object is not
-  /// pushed. Damping to ground in N s/m, stiffness to ground in N/m. Load in N: the force on the
-  /// object now, without the force of this contact and of the damping; > 0: it acts along -normal,
-  /// away from the tool. A mass needs an id.
-  double mass{0.0}, damping{0.0}, ground_stiffness{0.0}, load{0.0};
-  /// k lies within 1 -+ this times `stiffness` until the next sample; 0: exactly there.
-  std::optional<double> uncertainty{};
-  /// Names the body that is pushed, if several contacts push it; 0: this one alone. `load` is then
-  /// without the forces of all these contacts. Each has the whole mass.
-  std::uint32_t object{0};
-  /// Plane::object_direction; empty: the normal, of a body that does not turn. Say it yourself
-  /// if the points of these contacts have different frames, as those of point_on_finger() of two
-  /// fingers have: their normals cannot be compared.
-  std::vector<double> object_direction{};
+#include "haptic/client/contact_fields.inc"
 };
 
 /// The contact as the server takes it, linearised at the sample's position `x`: normal = -J^T n,

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptic/client/plane.hpp"
 #include "haptic/client/state.hpp"
 
 namespace haptic::client {
@@ -81,37 +82,6 @@ struct Event {
   std::string message{};  ///< for people
   Lifecycle state{Lifecycle::kUnknown};
   std::int64_t server_time_ns{0};
-};
-
-/// A half space that the proxy must stay in, normal . x <= offset, or a contact, which also says
-/// how the object gives way, curves and moves (proto/README.md, Contacts; contact() in planes.hpp).
-struct Plane {
-  std::vector<double> normal{};  ///< one value per coordinate, not all 0; -gradient of the gap
-  double offset{0.0};
-  double compliance{0.0};  ///< coupling / stiffness of the contact, >= 0; 0: rigid
-  double velocity{0.0};    ///< of the offset, per s; > 0: the object recedes
-  /// Second derivative of the gap between up to 8 consecutive coordinates, from `first_coordinate`
-  /// on: lower triangle, row by row. Empty: 0.
-  std::vector<double> curvature{};
-  std::uint32_t first_coordinate{0};
-  /// Names the contact from sample to sample; 0: none. With one in any plane the sample's position
-  /// must be the simulation's own proxy.
-  std::uint32_t id{0};
-  /// The law of an object that is pushed, as felt along the normal, divided by the stiffness of the
-  /// coupling. Mass 0: it is not pushed. Damping and stiffness to ground are >= 0. The load is the
-  /// force on it at this sample but for the contact's and the damping's; > 0: it pushes the object
-  /// away.
-  double mass{0.0}, damping{0.0}, ground_stiffness{0.0}, load{0.0};
-  /// The contact's stiffness lies within 1 -+ this times what is told; 0: exactly there. If all
-  /// planes of a sample have it, the states say how far the force felt may be off.
-  std::optional<double> uncertainty{};
-  /// Contacts with the same `object` push the same body: a push at one moves the others too. 0: no
-  /// other contact is on the body. An object needs a mass and a direction.
-  /// `object_direction`: how the contact pushes the body, 1 to 6 numbers, a vector of length 1. For
-  /// a body that does not turn it is the outward normal n. For a body that turns, with inertia M
-  /// and Jacobian J of the contact's point, it is M^-1/2 J^T n divided by its length.
-  std::uint32_t object{0};
-  std::vector<double> object_direction{};
 };
 
 /// Where the simulation's objects let the probe be; made by held(), behind() or free().

@@ -1,9 +1,10 @@
-// Eq. (37): the told gaps are shifted so that the law gives the simulation's own proxy at the probe
-// that it was computed from (core/METHOD.md#contacts).
+#include "haptic/core/contacts/contact_anchor.hpp"
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
-#include "haptic/core/contacts/plane_projection.hpp"
+#include "haptic/core/contacts/proxy_error.hpp"
 
 namespace haptic::core {
 
@@ -21,134 +22,148 @@ constexpr double kMore = 1e-2;
 
 }  // namespace
 
-/// Takes the way to explain d that is nearest to the law as it was told, or, if that explains less,
-/// the one nearest to none. Each is tried at x_used before it is believed: if x is then further
-/// from the client's own proxy than the probe is, the contacts explain nothing. Nothing explains a
-/// d of 0 either: a proxy that is free stays so.
-void PlaneProjection::anchor(const VecX& x_used) noexcept {
-  space_->difference(x_used, at_, y_);
-  if (!y_.allFinite()) return;
-  const VecX d = y_;
-  const Vector told_beta = beta_;
-  const double length = metric_.weighed(d, turn_).norm();
-  Vector l = Vector::Zero();
+void ContactAnchor::set(const VecX& d) noexcept {
+  if (!d.allFinite()) return;
+  told_beta_ = gaps_.beta();
+  VecX scratch;
+  const double length = gaps_.metric().weighed(d, scratch).norm();
   unexplained_ = length;
-  bool shifted = false;  // by l
-  if (length > ProxyError::kNothing) {
-    Vector told = Vector::Zero(), other;
-    for (int i = 0; i < count_; ++i) {
-      if (!(gamma_[i] > 0.0)) continue;
-      told[i] = std::max(0.0, -beta_[i]) / std::max(gamma_[i], ContactDual::kEpsilon);
-    }
-    dual_.begin_at(told);
-    static_cast<void>(solve(0.0));
-    told = dual_.l();
-    for (int i = 0; i < count_; ++i) {  // x_0, where its depth is told, is that near
-      const double deepest = std::max(0.0, -beta_[i]) + length;
-      told[i] = std::min(told[i], deepest / std::max(gamma_[i], ContactDual::kEpsilon));
-    }
-    explain(d, told, l);
-    unexplained_ = shift(d, l, told_beta);
-    shifted = true;
-    if (unexplained_ > kMore * length) {
-      beta_ = told_beta;
-      explain(d, Vector::Zero(), other);
-      const double left = shift(d, other, told_beta);
-      shifted = left + kMore * length < unexplained_;
-      if (shifted) {
-        unexplained_ = left;
-        l = other;
-      }
-    }
-    if (dual_.left() == 0) {
-      leave_as_told(told_beta);
-      unexplained_ = length;
-      return;
-    }
-    if (!(unexplained_ <= length)) {
-      unexplained_ = length;
-      l.setZero();
-      shifted = false;
-    }
+  l_.setZero();
+  if (!(length > ProxyError::kNothing)) {
+    static_cast<void>(shift(d, l_));
+  } else if (!choose(d, length)) {
+    leave_as_told();
+    unexplained_ = length;
+    return;
   }
-  if (!shifted) static_cast<void>(shift(d, l, told_beta));
-  for (int i = 0; i < count_; ++i) {
-    told_l_[i] = gamma_[i] > 0.0 ? std::max(0.0, -told_beta[i]) / gamma_[i] : l[i];
-    exact_ = exact_ &&
-             (ContactDual::has(skipped_, i) || std::abs(told_l_[i] - l[i]) < ProxyError::kNothing);
-  }
-  anchored_ = true;
+  known_ = as_told_ = true;
   explained_ = unexplained_ <= kMore * length;
-  anchored_l_ = l;
+  for (int i = 0; i < gaps_.size(); ++i) {
+    const double gamma = gaps_.gamma()[i];
+    told_l_[i] = gamma > 0.0 ? std::max(0.0, -told_beta_[i]) / gamma : l_[i];
+    shift_[i] = std::abs(gaps_.beta()[i] - told_beta_[i]);
+    as_told_ =
+        as_told_ && (gaps_.leaves_out(i) || std::abs(told_l_[i] - l_[i]) < ProxyError::kNothing);
+  }
+}
+
+/// Takes the way to explain d that is nearest to the law as it was told, or, if that explains less,
+/// the one nearest to none. Each is tried at d before it is believed: if x is then further from the
+/// simulation's own proxy than the probe is, the contacts explain nothing. Nothing explains a d of
+/// 0 either: a proxy that is free stays so.
+bool ContactAnchor::choose(const VecX& d, double length) noexcept {
+  find_told(d, length);
+  explain(d, told_l_, l_);
+  unexplained_ = shift(d, l_);
+  bool shifted = true;  // by l_
+  if (unexplained_ > kMore * length) {
+    for (int i = 0; i < gaps_.size(); ++i) gaps_.shift(i, told_beta_[i]);
+    Vector other;
+    explain(d, Vector::Zero(), other);
+    const double left = shift(d, other);
+    shifted = left + kMore * length < unexplained_;
+    if (shifted) {
+      unexplained_ = left;
+      l_ = other;
+    }
+  }
+  if (solver_.dual().left() == 0) return false;
+  if (!(unexplained_ <= length)) {
+    unexplained_ = length;
+    l_.setZero();
+    shifted = false;
+  }
+  if (!shifted) static_cast<void>(shift(d, l_));
+  return true;
+}
+
+void ContactAnchor::find_told(const VecX& d, double length) noexcept {
+  const Vector &beta = gaps_.beta(), &gamma = gaps_.gamma();
+  told_l_.setZero();
+  for (int i = 0; i < gaps_.size(); ++i) {
+    if (!(gamma[i] > 0.0)) continue;
+    told_l_[i] = std::max(0.0, -beta[i]) / std::max(gamma[i], ContactDual::kEpsilon);
+  }
+  solver_.dual().begin_at(told_l_);
+  static_cast<void>(solver_.solve(d, 0.0));
+  for (int i = 0; i < gaps_.size(); ++i) {  // y = 0, if its depth is told, is that near
+    const double deepest = std::max(0.0, -beta[i]) + length;
+    told_l_[i] = std::min(solver_.l()[i], deepest / std::max(gamma[i], ContactDual::kEpsilon));
+  }
 }
 
 /// The work that a sample may cost is spent: what was cut off decides nothing.
-void PlaneProjection::leave_as_told(const Vector& told_beta) noexcept {
-  beta_ = told_beta;
-  for (int i = 0; i < count_; ++i) fill_diagonal(i);
-  dual_.leave_out(skipped_);
+void ContactAnchor::leave_as_told() noexcept {
+  for (int i = 0; i < gaps_.size(); ++i) {
+    gaps_.shift(i, told_beta_[i]);
+    solver_.fill(i);
+  }
+  solver_.dual().leave_out(gaps_.left_out());
 }
 
-/// Shifts the gaps so that l explains d, and returns how far that leaves x from the client's own.
-double PlaneProjection::shift(const VecX& d, const Vector& l, const Vector& told_beta) noexcept {
+double ContactAnchor::shift(const VecX& d, const Vector& l) noexcept {
+  const Vector& gamma = gaps_.gamma();
   VecX left = d;
   bool rigid = false;
-  for (int i = 0; i < count_; ++i) {
+  for (int i = 0; i < gaps_.size(); ++i) {
     if (l[i] == 0.0) continue;
-    push(left, -l[i], i);
-    rigid = rigid || gamma_[i] == 0.0;
+    gaps_.push(left, -l[i], i);
+    rigid = rigid || gamma[i] == 0.0;
   }
-  for (int i = 0; i < count_; ++i) {
-    if (ContactDual::has(skipped_, i)) continue;
-    const double met = along(i, left.data()) - gamma_[i] * l[i];
-    beta_[i] = l[i] > 0.0 ? met : std::max(told_beta[i], met);
-    fill_diagonal(i);
+  for (int i = 0; i < gaps_.size(); ++i) {
+    if (gaps_.leaves_out(i)) continue;
+    const double met = gaps_.along(i, left.data()) - gamma[i] * l[i];
+    gaps_.shift(i, l[i] > 0.0 ? met : std::max(told_beta_[i], met));
+    solver_.fill(i);
   }
-  dual_.leave_out(skipped_);
-  y_ = d;
+  solver_.dual().leave_out(gaps_.left_out());
   if (rigid) {
-    static_cast<void>(solve(0.0));
+    static_cast<void>(solver_.solve(d, 0.0));
     left = d;
-    for (int i = 0; i < count_; ++i) {
-      if (ContactDual::has(dual_.held(), i)) push(left, -dual_.l()[i], i);
+    for (std::uint32_t held = solver_.held(); held != 0; held &= held - 1) {
+      const int i = std::countr_zero(held);
+      gaps_.push(left, -solver_.l()[i], i);
     }
   } else {
-    dual_.begin_at(l);  // which is the answer
+    solver_.dual().begin_at(l);  // which is the answer
   }
-  return metric_.weighed(left, turn_).norm();
+  VecX scratch;
+  return gaps_.metric().weighed(left, scratch).norm();
 }
 
 /// min ||d - D l||_W^2 over l >= 0. Among what explains it equally well the l nearest to `told`;
 /// and a contact that this law does not touch enters only if d needs it, because its whole gap
 /// would be shifted.
-void PlaneProjection::explain(const VecX& d, const Vector& told, Vector& l) noexcept {
+void ContactAnchor::explain(const VecX& d, const Vector& told, Vector& l) noexcept {
+  ContactDual& dual = solver_.dual();
+  const int count = gaps_.size();
   VecX left = d;
-  for (int i = 0; i < count_; ++i) {
-    if (told[i] != 0.0) push(left, -told[i], i);
+  for (int i = 0; i < count; ++i) {
+    if (told[i] != 0.0) gaps_.push(left, -told[i], i);
   }
   Vector r = Vector::Zero();
-  for (int i = 0; i < count_; ++i) {
-    const double gap = told[i] > 0.0 ? 0.0 : std::max(0.0, beta_[i] - along(i, left.data()));
-    r[i] = ContactDual::has(skipped_, i)
-               ? -1.0
-               : along(i, d.data()) + kNearest * told[i] - kUntouched * gap;
-    dual_.put_diagonal(i, dual_.products()(i, i) + kNearest);
+  for (int i = 0; i < count; ++i) {
+    const double gap =
+        told[i] > 0.0 ? 0.0 : std::max(0.0, gaps_.beta()[i] - gaps_.along(i, left.data()));
+    r[i] = gaps_.leaves_out(i) ? -1.0
+                               : gaps_.along(i, d.data()) + kNearest * told[i] - kUntouched * gap;
+    dual.put_diagonal(i, dual.products()(i, i) + kNearest);
   }
-  dual_.leave_out(skipped_);
-  dual_.solve(r);
+  dual.leave_out(gaps_.left_out());
+  dual.solve(r);
   // Those that entered explain d whole.
-  const std::uint32_t entered = dual_.held();
-  dual_.leave_out(~entered);
+  const std::uint32_t entered = dual.held();
+  dual.leave_out(~entered);
   l = told;
   for (int n = 0; n < kProximal; ++n) {
-    for (int i = 0; i < count_; ++i) {
-      if (ContactDual::has(entered, i)) r[i] = along(i, d.data()) + kNearest * l[i];
+    for (int i = 0; i < count; ++i) {
+      if (ContactDual::has(entered, i)) r[i] = gaps_.along(i, d.data()) + kNearest * l[i];
     }
-    dual_.solve(r);
-    l = dual_.l();
+    dual.solve(r);
+    l = dual.l();
   }
   // Drops what the told law alone wants: a proxy that is free stays so.
-  for (int i = 0; i < count_; ++i) {
+  for (int i = 0; i < count; ++i) {
     if (l[i] <= kNegligible * kNearest * told[i]) l[i] = 0.0;
   }
 }

@@ -47,8 +47,9 @@ void ContactDual::begin_at(const Vector& l) noexcept {
   }
 }
 
-void ContactDual::give(const Gives& gives) noexcept {
-  gives_ = gives;
+void ContactDual::give(const Gives* gives) noexcept {
+  gives_.contacts = 0;
+  if (gives != nullptr) gives_ = *gives;
   summed_ = 0;
   factored_ = 0;
 }
@@ -74,7 +75,8 @@ void ContactDual::set_diagonal(int i, double square, double give) noexcept {
 /// Proximal steps on the dual, each with the multipliers of the one before: they converge to eps =
 /// 0 if all contacts can be met, else to the least violation.
 bool ContactDual::meet(const Vector& r, double deepest) noexcept {
-  Vector shifted = r;
+  Vector shifted;
+  shifted.head(count_) = r.head(count_);
   double violation = 0.0;
   for (int n = 0; n < kProximal; ++n) {
     solve(shifted);

@@ -17,19 +17,28 @@ void ContactLaws::rewind() noexcept {
   dt_ = -1.0;  // what the contacts give way by is of another step
 }
 
-void ContactLaws::take(const PlaneSet::Laws& told, int i, double velocity, double length,
-                       double id) noexcept {
-  if (told.cols() == 0 || !(told(PlaneSet::kMass, i) > 0.0)) return;
+void ContactLaws::set(const PlaneSet& told, const Vector& length, std::uint32_t left_out) noexcept {
+  begin_sample();
+  for (int i = 0; i < static_cast<int>(told.laws.cols()); ++i) {
+    if (!ContactDual::has(left_out, i)) take(told, i, length[i]);
+  }
+  share(told.objects);
+  if (any()) correct_masses();
+}
+
+void ContactLaws::take(const PlaneSet& told, int i, double length) noexcept {
+  const auto law = told.laws.col(i);
+  if (!(law[PlaneSet::kMass] > 0.0)) return;
   const double area = length * length;
   with_ |= 1u << i;
   count_ = std::max(count_, i + 1);
-  mass_[i] = told(PlaneSet::kMass, i) * area;
-  damping_[i] = told(PlaneSet::kDamping, i) * area;
-  stiffness_[i] = told(PlaneSet::kStiffness, i) * area;
-  load_[i] = told(PlaneSet::kLoad, i) * length;
-  id_[i] = id;
+  mass_[i] = law[PlaneSet::kMass] * area;
+  damping_[i] = law[PlaneSet::kDamping] * area;
+  stiffness_[i] = law[PlaneSet::kStiffness] * area;
+  load_[i] = law[PlaneSet::kLoad] * length;
+  id_[i] = told.ids.size() > 0 ? told.ids[i] : 0.0;
   object_[i] = 0.0;
-  v_[i] = told_v_[i] = velocity / length;
+  v_[i] = told_v_[i] = told.velocity.size() > 0 ? told.velocity[i] / length : 0.0;
   s_[i] = l_[i] = first_l_[i] = free_[i] = give_[i] = root_[i] = 0.0;
   dt_ = 0.0;
 }

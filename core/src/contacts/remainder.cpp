@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptic/core/contacts/plane_projection.hpp"
+#include "haptic/core/contacts/proxy_bound.hpp"
 
 namespace haptic::core {
 
@@ -20,19 +20,19 @@ bool turns_points(const Coordinate& c) noexcept {
 }  // namespace
 
 /// sqrt(tr(H W^-1 H W^-1)).
-double PlaneProjection::bend(int i) noexcept {
-  const int first = first_[static_cast<std::size_t>(i)];
-  const int n = n_curved_[static_cast<std::size_t>(i)];
-  const double* lower = H_.data() + begin_[static_cast<std::size_t>(i)];
+double ProxyBound::bend(int i) const noexcept {
+  const auto [first, n, begin] = gaps_.curve(i);
+  const double* lower = gaps_.curvature(i);
   const auto entry = [lower](int row, int column) {
     const int most = std::max(row, column);
     return lower[PlaneSet::triangle(most) + std::min(row, column)];
   };
   Eigen::Matrix<double, kMaxCurved, kMaxCurved> P;
+  VecX column_of(gaps_.space().n_x());
   for (int column = 0; column < n; ++column) {
-    turn_.setZero(at_.size());
-    for (int row = 0; row < n; ++row) turn_[first + row] = entry(row, column);
-    P.col(column).head(n) = metric_.steepest(turn_, first, n).segment(first, n);
+    column_of.setZero();
+    for (int row = 0; row < n; ++row) column_of[first + row] = entry(row, column);
+    P.col(column).head(n) = gaps_.metric().steepest(column_of, first, n).segment(first, n);
   }
   double square = 0.0;
   for (int row = 0; row < n; ++row) {
@@ -44,63 +44,71 @@ double PlaneProjection::bend(int i) noexcept {
 /// The contact's coordinates are those of a point, or of two parallel hinges. Any two joints fit
 /// some such finger, and so does a body that lies off the plane in which the finger moves. Such a
 /// fit has another link than the one that is known, and is rejected by it.
-RoundGap PlaneProjection::round_gap(const PlaneSet& planes, int i) const noexcept {
-  const int first = first_[static_cast<std::size_t>(i)];
-  const int n = n_curved_[static_cast<std::size_t>(i)];
+RoundGap ProxyBound::round_gap(const PlaneSet& told, int i) const noexcept {
+  const auto [first, n, begin] = gaps_.curve(i);
+  const TaskMetric& metric = gaps_.metric();
   const bool alike =
-      metric_.is_identity() || (metric_.separates(first, n) && metric_.is_uniform(first, n));
-  if (n < 2 || n > RoundGap::kMost || rows_of(i).count > n || !alike) return {};
-  const auto& coordinates = space_->coordinates();
+      metric.is_identity() || (metric.separates(first, n) && metric.is_uniform(first, n));
+  if (n < 2 || n > RoundGap::kMost || gaps_.breadth(i) > n || !alike) return {};
+  const auto& coordinates = gaps_.space().coordinates();
   const double link = coordinates[static_cast<std::size_t>(first)].link;
   const bool hinges = n == 2 && link > 0.0;
   for (int k = first; k < first + n && !hinges; ++k) {
     if (turns_points(coordinates[static_cast<std::size_t>(k)])) return {};
   }
-  const VecX g = -A_.col(i);
-  const RoundGap gap(hinges ? RoundGap::Moves::kHinges : RoundGap::Moves::kPoint, n,
-                     g.data() + first, H_.data() + begin_[static_cast<std::size_t>(i)]);
-  const double scale = planes.normals.col(i).norm() / gap.length();
+  const auto moves = hinges ? RoundGap::Moves::kHinges : RoundGap::Moves::kPoint;
+  const VecX g = -gaps_.gradients().col(i);
+  const double* const H = gaps_.curvature(i);
+  const double radius = told.radius.size() > 0 ? told.radius[i] : 0.0;
+  const double length = told.normals.col(i).norm();
+  const RoundGap gap =
+      radius == 0.0 ? RoundGap::inferred(moves, n, g.data() + first, H)
+                    : RoundGap::told(moves, n, g.data() + first, H,
+                                     length / (radius + gaps_.length()[i] * gaps_.beta()[i]));
+  const double scale = length / gap.length();
   const bool fits = !hinges || std::abs(scale * gap.link() - link) < kSameLink * link;
   return fits ? gap : RoundGap{};
 }
 
-/// For a round body: the remainder at z_ itself. For other bodies a bound: if a point meets a body
+/// For a round body: the remainder at z itself. For other bodies a bound: if a point meets a body
 /// of constant curvature 1/R, the third derivative of the gap along z is 3 z_n z_t^2 / R^2; planar
 /// joints add 3 of the gradient and of H per angle. A contact without curvature is taken as flat.
-PlaneProjection::Remainder PlaneProjection::remainder(int i, LastTurn* last) const noexcept {
-  const int first = first_[static_cast<std::size_t>(i)];
-  const int n = n_curved_[static_cast<std::size_t>(i)];
-  const double* entry = H_.data() + begin_[static_cast<std::size_t>(i)];
-  const auto g = told_.col(i);
+ProxyBound::Remainder ProxyBound::remainder(int i, LastTurn* last) const noexcept {
+  const auto [first, n, begin] = gaps_.curve(i);
+  const double* entry = gaps_.curvature(i);
+  const double* const z = solver_.z().data() + first;
+  const double* const g = gaps_.told_gradients().col(i).data() + first;
   Eigen::Matrix<double, kMaxCurved, 1> Hz = Eigen::Matrix<double, kMaxCurved, 1>::Zero();
   double turns = 0.0, along = 0.0, most_along = 0.0, most_bent = 0.0;
   for (int row = 0; row < n; ++row) {
     for (int column = 0; column <= row; ++column, ++entry) {
-      Hz[row] += *entry * z_[first + column];
-      if (column < row) Hz[column] += *entry * z_[first + row];
-      most_bent +=
-          (column < row ? 2.0 : 1.0) * std::abs(*entry * z_[first + column] * z_[first + row]);
+      Hz[row] += *entry * z[column];
+      if (column < row) Hz[column] += *entry * z[row];
+      most_bent += (column < row ? 2.0 : 1.0) * std::abs(*entry * z[column] * z[row]);
     }
-    if (turns_points(space_->coordinates()[static_cast<std::size_t>(first + row)])) {
-      turns += std::abs(z_[first + row]);
+    if (turns_points(gaps_.space().coordinates()[static_cast<std::size_t>(first + row)])) {
+      turns += std::abs(z[row]);
     }
-    most_along += std::abs(g[first + row] * z_[first + row]);
-    along -= g[first + row] * z_[first + row];
+    most_along += std::abs(g[row] * z[row]);
+    along -= g[row] * z[row];
   }
   double bent = 0.0;
-  for (int row = 0; row < n; ++row) bent += Hz[row] * z_[first + row];
+  for (int row = 0; row < n; ++row) bent += Hz[row] * z[row];
   const RoundGap& round = round_[static_cast<std::size_t>(i)];
   if (last != nullptr && round.moves() != RoundGap::Moves::kUnknown) {
     // The law as linearise() makes it.
     const double turned = Hz.head(n).norm() / round.length();
-    const double share = turned > kMostTurn ? kMostTurn / turned : 1.0;
-    Hz.head(n) = share * Hz.head(n) - g.segment(first, n);
+    const double share = turned > ContactGaps::kMostTurn ? ContactGaps::kMostTurn / turned : 1.0;
+    for (int row = 0; row < n; ++row) Hz[row] = share * Hz[row] - g[row];
     const RoundGap::Law law{along + share * (1.0 - 0.5 * share) * bent, Hz.data()};
-    if (round.moves() == RoundGap::Moves::kPoint) return round.point(z_.data() + first, law);
-    if (last->first != first) *last = {first, RoundGap::Turn(z_.data() + first)};
+    if (round.moves() == RoundGap::Moves::kPoint) return round.point(z, law);
+    if (last->first != first) *last = {first, RoundGap::Turn(z)};
     return round.hinges(last->turn, law);
   }
-  const double far = metric_.is_identity() ? z_.segment(first, n).norm() : unsettled(z_);
+  VecX scratch;
+  const TaskMetric& metric = gaps_.metric();
+  const double far = metric.is_identity() ? solver_.z().segment(first, n).norm()
+                                          : metric.weighed(solver_.z(), scratch).norm();
   const double turned = bend_[i] * far;
   const double left = std::max(1.0 - turned, 1.0 - kMostBent);
   const double curve = 0.5 * (std::abs(along) + std::abs(bent)) * turned * turned / (left * left);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace haptic::core {
 
@@ -39,7 +40,7 @@ struct Distance {
 
 }  // namespace
 
-RoundGap::RoundGap(Moves moves, int n, const double* g, const double* H) noexcept : n_(n) {
+RoundGap::RoundGap(int n, const double* g, const double* H) noexcept : n_(n) {
   double square = 0.0;
   for (int i = 0; i < n; ++i) square += g[i] * g[i];
   length_ = std::sqrt(square);
@@ -47,12 +48,27 @@ RoundGap::RoundGap(Moves moves, int n, const double* g, const double* H) noexcep
     g_[i] = g[i] / length_;
     for (int j = 0; j <= i; ++j) H_[i][j] = H_[j][i] = *H++ / length_;
   }
-  if (moves == Moves::kPoint ? find_point() : find_hinges()) moves_ = moves;
+}
+
+RoundGap RoundGap::told(Moves moves, int n, const double* g, const double* H,
+                        double curve) noexcept {
+  RoundGap gap(n, g, H);
+  gap.curve_ = curve;
+  if (gap.find_height(moves)) gap.place(moves);
+  return gap;
+}
+
+RoundGap RoundGap::inferred(Moves moves, int n, const double* g, const double* H) noexcept {
+  RoundGap gap(n, g, H);
+  if (!gap.find_height(moves)) return gap;
+  gap.curve_ = moves == Moves::kPoint ? gap.curve_of_point() : gap.curve_of_hinges();
+  gap.place(moves);
+  return gap;
 }
 
 /// A distance does not turn its gradient along itself, and a round body turns it at one rate in
 /// each direction in which it curves.
-bool RoundGap::find_point() noexcept {
+double RoundGap::curve_of_point() const noexcept {
   double most = 0.0, trace = 0.0, square = 0.0, cube = 0.0, along = 0.0;
   for (int i = 0; i < n_; ++i) {
     trace += H_[i][i];
@@ -65,25 +81,34 @@ bool RoundGap::find_point() noexcept {
     }
     along = std::max(along, std::abs(Hg));
   }
-  curve_ = square / trace;
-  return std::isfinite(curve_) && along <= kToldZero * most &&
-         std::abs(trace * cube - square * square) <= kToldZero * square * square;
+  const bool round = along <= kToldZero * most &&
+                     std::abs(trace * cube - square * square) <= kToldZero * square * square;
+  return round ? square / trace : std::numeric_limits<double>::quiet_NaN();
 }
 
 /// With h_k the point's height above hinge k: H_jk = h_k (curve h_j - 1) for j <= k.
-bool RoundGap::find_hinges() noexcept {
+bool RoundGap::find_height(Moves moves) noexcept {
+  if (moves != Moves::kHinges) return true;
   const double most = std::max({std::abs(H_[0][0]), std::abs(H_[0][1]), std::abs(H_[1][1])});
   const double apart = H_[0][0] - H_[0][1];
   if (!(std::abs(apart) > kLeastApart * most)) return false;
   height_[1] = (H_[0][1] * H_[0][1] - H_[0][0] * H_[1][1]) / apart;
-  if (!(std::abs(height_[1]) > kLeastApart)) return false;
-  curve_ = (1.0 + H_[1][1] / height_[1]) / height_[1];
-  const double rolls = H_[0][1] / height_[1];  // curve h_1 - 1
-  height_[0] = rolls > -0.5 ? (1.0 + rolls) / curve_ : H_[0][0] / rolls;
-  const double near = std::hypot(g_[1], height_[1]);
-  link_ = std::hypot(g_[0] - g_[1], height_[0] - height_[1]);
-  reach_ = std::hypot(link_ + near, near);
-  return std::isfinite(curve_) && std::isfinite(reach_);
+  return std::abs(height_[1]) > kLeastApart;
+}
+
+double RoundGap::curve_of_hinges() const noexcept {
+  return (1.0 + H_[1][1] / height_[1]) / height_[1];
+}
+
+void RoundGap::place(Moves moves) noexcept {
+  if (moves == Moves::kHinges) {
+    const double rolls = H_[0][1] / height_[1];  // curve h_1 - 1
+    height_[0] = rolls > -0.5 ? (1.0 + rolls) / curve_ : H_[0][0] / rolls;
+    const double near = std::hypot(g_[1], height_[1]);
+    link_ = std::hypot(g_[0] - g_[1], height_[0] - height_[1]);
+    reach_ = std::hypot(link_ + near, near);
+  }
+  if (std::isfinite(curve_) && std::isfinite(reach_)) moves_ = moves;
 }
 
 RoundGap::Turn::Turn(const double* z) noexcept

@@ -23,6 +23,17 @@ PlaneSet::Laws law_of(double mass, double damping, double stiffness, double load
   return law;
 }
 
+/// Contacts with these laws, which recede at that speed. `ids`, `objects`: if the sample has them.
+void tell(ContactLaws& laws, const PlaneSet::Laws& told, double speed, double length = 1.0,
+          const PlaneSet::Objects& objects = {}, const PlaneSet::Offsets& ids = {}) {
+  PlaneSet set;
+  set.laws = told;
+  set.velocity.setConstant(told.cols(), speed);
+  set.objects = objects;
+  set.ids = ids;
+  laws.set(set, ContactLaws::Vector::Constant(length), 0);
+}
+
 /// A wall at x = 0 that gives way by half and has this law.
 PlaneSet pushed(const PlaneSet::Laws& law, double unit = 1.0) {
   PlaneSet set;
@@ -39,7 +50,7 @@ PlaneSet pushed(const PlaneSet::Laws& law, double unit = 1.0) {
 
 TEST(ContactLaws, FreeObjectSwingsAsItShould) {
   ContactLaws laws;
-  laws.take(law_of(0.01, 0.02, 4.0, -0.5), 0, 0.3, 1.0);
+  tell(laws, law_of(0.01, 0.02, 4.0, -0.5), 0.3);
   // s'' + 2 a s' + w^2 s = load / M about the rest at load / k.
   const double a = 1.0, w2 = 400.0, w = std::sqrt(w2 - a * a), rest = -0.5 / 4.0;
   for (int k = 1; k <= 1000; ++k) {
@@ -56,7 +67,7 @@ TEST(ContactLaws, FreeObjectSwingsAsItShould) {
 
 TEST(ContactLaws, EnergyIsWhatThePushGave) {
   ContactLaws laws;
-  laws.take(law_of(0.02, 0.0, 3.0, 0.1), 0, 0.2, 2.0);
+  tell(laws, law_of(0.02, 0.0, 3.0, 0.1), 0.2, 2.0);
   laws.begin(0.0);
   laws.end(kNone);
   double before = 0.0, last = 0.0, given = 0.0, most = 0.0;
@@ -122,9 +133,7 @@ ContactLaws body(double damping, double stiffness) {
   objects.col(0).segment<2>(1) << -1.0, 0.0;
   objects.col(1).segment<2>(1) << 1.0, 0.0;
   objects.col(2).segment<2>(1) << 0.6, 0.8;
-  laws.clear();
-  for (int i = 0; i < 3; ++i) laws.take(told, i, 0.0, 1.0);
-  laws.share(objects);
+  tell(laws, told, 0.0, 1.0, objects);
   laws.begin(0.0);
   laws.end(kNone);
   return laws;
@@ -187,8 +196,7 @@ TEST(ContactLaws, DirectionWithoutLengthSharesNothing) {
   told.setConstant(0.1);
   PlaneSet::Objects objects = PlaneSet::Objects::Zero(1 + kMaxMotions, 2);
   objects.row(0).setConstant(1.0);
-  for (int i = 0; i < 2; ++i) laws.take(told, i, 0.0, 1.0);
-  laws.share(objects);
+  tell(laws, told, 0.0, 1.0, objects);
   laws.begin(kTick);
   EXPECT_EQ(laws.gives(ContactLaws::Vector::Ones()).contacts, 0u);
   EXPECT_GT(laws.give(0), 0.0);
@@ -249,11 +257,7 @@ double mass_in_use(double told, double true_mass, double object, double next_id)
   objects.row(1).setOnes();
   ContactLaws laws;
   const auto sample = [&](double speed, double id) {
-    laws.begin_sample();
-    laws.take(laws_told, 0, speed, 1.0, id);
-    laws.take(laws_told, 1, speed, 1.0, 8.0);
-    laws.share(objects);
-    laws.correct_masses();
+    tell(laws, laws_told, speed, 1.0, objects, two(id, 8.0));
   };
   sample(0.0, 7.0);
   laws.rewind();

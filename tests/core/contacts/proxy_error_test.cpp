@@ -166,9 +166,10 @@ Eigen::Vector2d settled(const Gaps& gaps, const std::vector<double>& gamma,
 }
 
 /// A probe that moves by up to `reach` since the anchor, for contacts that are told to the second
-/// order; stiffnesses wrong by up to u.
+/// order; stiffnesses wrong by up to u. `radius`: as it is told; 0: it is not.
 Judged curved(const ConfigurationSpace& space, const Gaps& gaps, const Eigen::Vector2d& around,
-              double spread, double reach, double u, double gamma, std::uint32_t seed) {
+              double spread, double reach, double u, double gamma, std::uint32_t seed,
+              double radius = 0.0) {
   std::mt19937 random(seed);
   PlaneProjection projection(space);
   Judged judged;
@@ -188,6 +189,7 @@ Judged curved(const ConfigurationSpace& space, const Gaps& gaps, const Eigen::Ve
     told.compliance.resize(count);
     told.curvature.resize(3 * count);
     told.uncertainty.setConstant(count, u);
+    told.radius.setConstant(radius == 0.0 ? 0 : count, radius);
     for (Eigen::Index i = 0; i < count; ++i) {
       const Gap& gap = now[static_cast<std::size_t>(i)];
       told.normals.col(i) = -gap.g;
@@ -287,6 +289,15 @@ TEST(ProxyError, TrustsAFingersOwnLink) {
   const double none = of(0.0);
   EXPECT_LT(2.0 * of(0.045), none);
   EXPECT_EQ(of(0.050), none);
+}
+
+TEST(ProxyError, BelievesARadiusThatIsTold) {
+  const auto of = [](double radius) {
+    return median(
+        curved(finger(0.045), pads(0.0), {0.45, 0.5}, 0.3, 0.05, 0.0, 1e-3, 6, radius).bounds);
+  };
+  const double inferred = of(0.0);
+  EXPECT_NEAR(of(0.030), inferred, 1e-6 * inferred);
 }
 
 TEST(ProxyError, IsNothingForExactContacts) {

@@ -39,8 +39,8 @@ class ContactDual {
   /// The part of G that is A W^-1 A^T, symmetric, of the first `count` rows and columns. After a
   /// change: give().
   [[nodiscard]] Gram& products() noexcept { return products_; }
-  /// The rest of G. The cosines must stay.
-  void give(const Gives& gives) noexcept;
+  /// The rest of G; null: there is none. The cosines must stay.
+  void give(const Gives* gives) noexcept;
   /// Entry (i, i) of G + Gamma + eps, from G's and Gamma's.
   void set_diagonal(int i, double square, double give) noexcept;
   /// The same with what stands in for Gamma + eps.

@@ -24,21 +24,16 @@ class ContactLaws {
     begin_sample();
     known_ = 0;
   }
-  /// The next sample begins: no contact has a law any more. What is known of the masses is kept
-  /// for the contacts that the sample names.
-  void begin_sample() noexcept;
-  /// Contact i has the law of that column of PlaneSet::laws, and recedes at `velocity`; its gap is
-  /// counted in units of `length`. A mass of 0 is no law.
-  void take(const PlaneSet::Laws& told, int i, double velocity, double length,
-            double id = 0.0) noexcept;
-  /// Those that were taken push these objects. A direction without a length is of no object.
-  void share(const PlaneSet::Objects& told) noexcept;
+  /// The laws of a new sample's contacts, which recede at the velocities that it tells. Gaps are
+  /// counted in units of `length`, one per contact; those in `left_out` have no law, and so has one
+  /// of mass 0. A direction on an object that has no length is of no object. What is known of the
+  /// masses is kept for the contacts that the sample names: they become those that explain the
+  /// samples.
+  void set(const PlaneSet& told, const Vector& length, std::uint32_t left_out) noexcept;
   /// Back to where the sample told them, and to what pushed them there.
   void rewind() noexcept;
   /// The next sample is of the end of the last step: what it tells is compared with that.
   void compare_next() noexcept { compared_ = true; }
-  /// After take() and share(): the masses become those that explain the samples.
-  void correct_masses() noexcept;
   [[nodiscard]] bool any() const noexcept { return with_ != 0; }
   [[nodiscard]] bool has(int i) const noexcept { return ContactDual::has(with_, i); }
 
@@ -58,6 +53,11 @@ class ContactLaws {
   [[nodiscard]] double energy() const noexcept;
 
  private:
+  /// No contact has a law any more.
+  void begin_sample() noexcept;
+  void take(const PlaneSet& told, int i, double length) noexcept;
+  void share(const PlaneSet::Objects& told) noexcept;
+  void correct_masses() noexcept;
   /// Takes over what the sample before told of contact i's mass; returns what this one adds.
   [[nodiscard]] MassRatio::Seen recall(int i) noexcept;
   /// pushed_ becomes by how much the multipliers l push.

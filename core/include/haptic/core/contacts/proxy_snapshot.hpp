@@ -33,7 +33,8 @@ inline constexpr int kMaxMotions = 6;
 /// age of t seconds, the gap
 ///   phi_i(x) = b_i + v_i t - n_i^T x + 1/2 z^T H_i z,
 /// which is >= 0 if the object is not touched. A normal is a covector: unit of b_i per unit of
-/// each coordinate; its length is free (n, b, v, H may be scaled together, gamma by the square).
+/// each coordinate; its length is free (n, b, v, H, radius may be scaled together, gamma by the
+/// square).
 /// A plane, n_i^T x <= b_i, is a contact without compliance, velocity and curvature.
 struct PlaneSet {
   using Normals = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxX, kMaxPlanes>;
@@ -65,6 +66,10 @@ struct PlaneSet {
   /// u >= 0: the contact's stiffness lies within 1 - u and 1 + u times what gamma says; 0: it is
   /// exact. Its size is 0 too if one of the contacts does not say it.
   Offsets uncertainty{};
+  /// Radius of the round body that is touched, with that of the tool, in the unit of b; below 0:
+  /// hollow. 0: not told, and inferred from n and H if they are those of a round body. Of size 0 if
+  /// no contact tells it.
+  Offsets radius{};
   /// H, contact after contact: the lower triangle, row by row.
   Curvatures curvature{};
   Places first, curved;  ///< the coordinates that each H names: the first one, and how many
@@ -76,7 +81,7 @@ struct PlaneSet {
   [[nodiscard]] bool fits(int n_x) const noexcept;
 
   [[nodiscard]] auto members() const noexcept {
-    return std::tie(normals, offsets, compliance, velocity, laws, ids, objects, uncertainty,
+    return std::tie(normals, offsets, compliance, velocity, laws, ids, objects, uncertainty, radius,
                     curvature, first, curved);
   }
 };

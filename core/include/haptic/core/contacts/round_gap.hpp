@@ -1,7 +1,8 @@
 #pragma once
-/// The gap between a point and a round body (a plane, a cylinder, a sphere). Its gradient and its
-/// second order tell it whole (core/METHOD.md#error-bound), if the coordinates are those of the
-/// point itself, in m, or two parallel hinges, in rad; the first one carries the second.
+/// The gap between a point and a round body (a plane, a cylinder, a sphere). Its gradient, its
+/// second order and the body's curvature tell it whole (core/METHOD.md#error-bound), if the
+/// coordinates are those of the point itself, in m, or two parallel hinges, in rad, the first of
+/// which carries the second.
 
 #include <cstdint>
 
@@ -13,9 +14,15 @@ class RoundGap {
   static constexpr int kMost = 3;  ///< coordinates
 
   RoundGap() = default;  ///< kUnknown: nothing follows
-  /// `g` and `H`, a lower triangle row by row: what is told, of n coordinates, 2 or 3. kUnknown if
-  /// it is not of a round body, or of several as well.
-  RoundGap(Moves moves, int n, const double* g, const double* H) noexcept;
+  /// `g` and `H`, a lower triangle row by row, of n coordinates, 2 or 3. `curve`: ||g|| by the
+  /// radius of the surface of equal gap on which the point lies, in the gap's unit; below 0 if the
+  /// body is hollow. kUnknown if g and H leave the hinges' place open.
+  [[nodiscard]] static RoundGap told(Moves moves, int n, const double* g, const double* H,
+                                     double curve) noexcept;
+  /// The same of a body that does not tell its radius. kUnknown also if g and H are not those of a
+  /// round body, or those of several.
+  [[nodiscard]] static RoundGap inferred(Moves moves, int n, const double* g,
+                                         const double* H) noexcept;
 
   [[nodiscard]] Moves moves() const noexcept { return moves_; }
   /// Length of g.
@@ -51,8 +58,14 @@ class RoundGap {
   [[nodiscard]] Off hinges(const Turn& turn, const Law& law) const noexcept;
 
  private:
-  [[nodiscard]] bool find_point() noexcept;
-  [[nodiscard]] bool find_hinges() noexcept;
+  RoundGap(int n, const double* g, const double* H) noexcept;
+  /// Finds height_[1] if `moves` needs it. False: g and H do not tell it.
+  [[nodiscard]] bool find_height(Moves moves) noexcept;
+  /// curve_ by g and H; not finite: they are not those of one round body.
+  [[nodiscard]] double curve_of_point() const noexcept;
+  [[nodiscard]] double curve_of_hinges() const noexcept;
+  /// The rest, by curve_ and height_[1].
+  void place(Moves moves) noexcept;
 
   // With g of length 1:
   Moves moves_{Moves::kUnknown};

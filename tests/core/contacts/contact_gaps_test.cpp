@@ -58,7 +58,7 @@ TaskMetric metric_of(int n_x, int first, double mixed) {
   return TaskMetric::from_matrix(W);
 }
 
-TEST(ContactGradients, FewOfManyCoordinatesAreAlike) {
+TEST(ContactGaps, FewOfManyCoordinatesAreAlike) {
   for (const double mixed : {-1.0, 0.0, 0.4}) {
     SCOPED_TRACE(mixed);
     const TaskMetric few = mixed < 0.0 ? TaskMetric() : metric_of(3, 0, mixed);

@@ -1,0 +1,208 @@
+// Eq. (39): the distance between two solutions of the proxy's problem whose contacts differ by
+// what a sample leaves open (core/METHOD.md#error-bound).
+#include "haptic/core/contacts/proxy_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace haptic::core {
+
+namespace {
+
+/// Gap errors of several rigid contacts whose gradients are 30 degrees apart or more.
+constexpr double kWedge = 2.0;
+
+}  // namespace
+
+void ProxyBound::set(const PlaneSet& told, bool laws) noexcept {
+  told_ = told.uncertainty.size() > 0 && !laws;
+  if (!told_) return;
+  const int count = gaps_.size();
+  uncertainty_.head(count) = told.uncertainty;
+  plain_ = gaps_.curved() == 0 && !gaps_.moving() && told.uncertainty.isZero(0.0);
+  bend_.head(count).setZero();
+  for (int i = 0; i < count; ++i) {
+    told_ = told_ && uncertainty_[i] >= 0.0;
+    if (!gaps_.is_curved(i)) continue;
+    bend_[i] = bend(i);
+    round_[static_cast<std::size_t>(i)] = round_gap(told, i);
+  }
+}
+
+void ProxyBound::at(double age_error, ProxyError& out) const noexcept {
+  out.known = told_ && anchor_.known();
+  out.along = -1;
+  for (PlaneSet::Offsets* each : {&out.of, &out.depth, &out.turn}) each->resize(0);
+  out.everywhere = anchor_.unexplained();
+  out.beside = 0;
+  if (!out.known) return;
+  Remainder left[kMaxPlanes];
+  if (!(plain_ && anchor_.as_told()) && !proxy_error(age_error, true, left, out)) {
+    static_cast<void>(proxy_error(age_error, false, left, out));
+  }
+  if (solver_.held() != 0) contact_errors(age_error, left, out);
+}
+
+/// `moved` is how far x and what is linearised there may be from the simulation's.
+void ProxyBound::contact_errors(double age_error, const Remainder* left,
+                                ProxyError& out) const noexcept {
+  const double unsettled = solver_.unsettled();
+  const double moved = out.everywhere + (out.of.size() > 0 ? out.of.sum() : 0.0) + unsettled;
+  const double way = solver_.l().head(gaps_.size()).sum() + unsettled;  // from the probe, or more
+  out.depth.resize(gaps_.size());
+  if (gaps_.curved() != 0) out.turn.setZero(gaps_.size());
+  const Vector &l = solver_.l(), &scale = gaps_.scale();
+  const PlaneSet::Offsets& beyond = gaps_.contacts().depth;
+  double most = 0.0;
+  for (int i = 0; i < gaps_.size(); ++i) {
+    double depth = 0.0;
+    if (!gaps_.leaves_out(i)) {
+      depth = scale[i] * anchor_.shift()[i] + std::abs(gaps_.speed()[i]) * age_error;
+    }
+    if (gaps_.is_curved(i)) {
+      const double bend = scale[i] * left[i].bend_within(moved);
+      const double tilt = bend * moved + scale[i] * left[i].gradient;
+      depth += scale[i] * left[i].gap + tilt * way + 0.5 * bend * moved * moved;
+      depth = tilt < kMostBent ? (depth + tilt * std::abs(beyond[i])) / (1.0 - tilt)
+                               : std::numeric_limits<double>::infinity();
+      out.turn[i] = std::min(2.0, tilt / (1.0 - 0.5 * std::min(1.0, tilt)));
+      most = std::max(most, out.turn[i]);
+    }
+    out.depth[i] = depth;
+    most = std::max(most, depth);
+    if (l[i] == 0.0 && beyond[i] + depth > 0.0) out.beside |= 1u << i;
+  }
+  if (most >= ProxyError::kNothing) return;
+  out.depth.resize(0);
+  out.turn.resize(0);
+}
+
+bool ProxyBound::proxy_error(double age_error, bool whole, Remainder* left,
+                             ProxyError& out) const noexcept {
+  out.of.setZero(gaps_.size());
+  out.everywhere = anchor_.unexplained();
+  const Open open = what_is_open(age_error, whole, left);
+  if (open.involved == 0) return true;
+  out.known = open.bent < kMostBent;
+  const double stays = std::max(1.0 - open.bent, 1.0 - kMostBent);
+  // Each linearisation shrinks what is left by `bent`, or more.
+  if (gaps_.curved() != 0) out.everywhere += solver_.unsettled() * open.bent / stays;
+  if (of_one_flat_contact(open, out)) return true;
+  double as_gap[kMaxPlanes];
+  const double off = of_each_contact(open, left, as_gap, out);
+  return grow(open, off, whole, left, as_gap, out);
+}
+
+/// Compares each contact's force now with its force at the anchor and the one that was told.
+ProxyBound::Open ProxyBound::what_is_open(double age_error, bool whole,
+                                          Remainder* left) const noexcept {
+  Open open;
+  const Vector &l = solver_.l(), &at_anchor = anchor_.l(), &told_l = anchor_.told_l();
+  const Vector& scale = gaps_.scale();
+  int touched = 0;
+  LastTurn last;
+  for (int i = 0; i < gaps_.size(); ++i) touched += at_anchor[i] > 0.0 || told_l[i] > 0.0;
+  for (int i = 0; i < gaps_.size(); ++i) {
+    double &slope = open.slope[i], &share = open.share[i], &gap = open.gap[i], &room = open.room[i];
+    slope = share = gap = room = 0.0;
+    if (gaps_.leaves_out(i)) continue;
+    const double u = uncertainty_[i];
+    const double before = scale[i] > 0.0 ? at_anchor[i] / scale[i] : at_anchor[i];
+    slope = u * std::abs(l[i] - before);
+    // Told as not touched, yet it must explain x: nothing is known of when it ends.
+    if (before > 0.0 && told_l[i] == 0.0) share = std::abs(l[i] - before) + before;
+    if (touched > 1 && std::max(before, told_l[i]) > 0.0) {
+      // Several contacts may share what the anchor explains in another way: felt where one lifts.
+      const double shared = std::abs(before - told_l[i]) + u * told_l[i];
+      share += l[i] > 0.0 ? std::max(0.0, shared + slope - l[i]) : 2.0 * shared;
+    }
+    if (gaps_.is_curved(i)) {
+      left[i] = remainder(i, whole ? &last : nullptr);
+      gap = scale[i] * left[i].gap;
+      share += scale[i] * l[i] * left[i].gradient;
+      open.bent += scale[i] * l[i] * (left[i].whole ? left[i].bend : bend_[i]);
+    }
+    gap += std::abs(gaps_.speed()[i]) * age_error;
+    if (l[i] == 0.0) {
+      room = -gaps_.contacts().depth[i];
+      for (int j = 0; j < gaps_.size(); ++j) {
+        if (l[j] > 0.0) room += l[j] * gaps_.gradients().col(i).dot(gaps_.contacts().into.col(j));
+      }
+      room = std::max(0.0, room);
+    }
+    if (l[i] > 0.0 || slope > 0.0 || share > 0.0 || gap > room) {
+      ++open.involved;
+      open.only = i;
+    }
+  }
+  return open;
+}
+
+/// Exact, and x is off along its normal alone. False: there are others, or it is curved.
+bool ProxyBound::of_one_flat_contact(const Open& open, ProxyError& out) const noexcept {
+  const int only = open.only;
+  if (open.involved != 1 || open.bent != 0.0 || gaps_.is_curved(only)) return false;
+  const double u = uncertainty_[only], m = std::min(u, 1.0), gamma = gaps_.gamma()[only];
+  const double softer = gamma > 0.0 ? gamma / (1.0 - m + gamma) : 0.0;
+  const double stiffer = gamma / (1.0 + u + gamma);
+  const double by_slope = open.share[only] + open.slope[only] * std::max(softer, stiffer);
+  const double by_gap = std::max(0.0, open.gap[only] - open.room[only]) / (1.0 + gamma / (1.0 + u));
+  out.of[only] = by_slope + by_gap;
+  out.along = only;
+  for (int i = 0; i < gaps_.size(); ++i) {
+    if (i != only && !gaps_.leaves_out(i) && open.room[i] < out.of[only]) out.along = -1;
+  }
+  return out.along >= 0;
+}
+
+/// Their sum. `as_gap`: how far x is off per error of a gap.
+double ProxyBound::of_each_contact(const Open& open, const Remainder* left, double* as_gap,
+                                   ProxyError& out) const noexcept {
+  double off = 0.0;
+  for (int i = 0; i < gaps_.size(); ++i) {
+    const bool curved = gaps_.is_curved(i);
+    if (!curved && open.slope[i] + open.share[i] + open.gap[i] == 0.0) continue;
+    const double u = uncertainty_[i], gamma = gaps_.gamma()[i];
+    const double as_force = u < 1.0 ? std::min(1.0, 0.5 * std::sqrt(gamma / (1.0 - u))) : 1.0;
+    const double most = open.involved == 1 ? 1.0 : kWedge;
+    as_gap[i] = gamma > 0.0 ? std::min(most, 0.5 * std::sqrt((1.0 + u) / gamma)) : most;
+    // Its true gradient may be shorter: the same gap is then a longer way.
+    if (curved) as_gap[i] /= std::max(1.0 - gaps_.scale()[i] * left[i].gradient, 1.0 - kMostBent);
+    const double by_gap = std::max(0.0, open.gap[i] - open.room[i]) * as_gap[i];
+    out.of[i] = open.share[i] + open.slope[i] * as_force + by_gap;
+    off += out.of[i];
+  }
+  return off;
+}
+
+/// On a way E forces turn and gaps bend: E <= off + bent E + c E^2. What c is on the whole way is
+/// known for one that is assumed, the more the longer; it holds if E is no longer. At twice what
+/// it is without c there is no root beyond. False: none holds.
+bool ProxyBound::grow(const Open& open, double off, bool whole, const Remainder* left,
+                      const double* as_gap, ProxyError& out) const noexcept {
+  const double stays = std::max(1.0 - open.bent, 1.0 - kMostBent);
+  const double unsettled = solver_.unsettled();
+  for (const double times : {1.25, 2.0}) {
+    const double most = times * off / stays, far = most + out.everywhere + unsettled;
+    double c = 0.0;
+    bool follows = true;
+    for (int i = 0; i < gaps_.size() && whole; ++i) {
+      if (!gaps_.is_curved(i) || !left[i].whole) continue;
+      follows = follows && left[i].grows * far <= 1.0;
+      const double scale = gaps_.scale()[i];
+      const double bow = 0.5 * scale * left[i].bend_within(far);
+      c += 0.5 * scale * solver_.l()[i] * left[i].third_within(far);
+      if (open.gap[i] + bow * most * most > open.room[i]) c += bow * as_gap[i];
+    }
+    const double root = stays * stays - 4.0 * c * off;
+    if (!follows || root < 0.0) return false;
+    const double grown = 2.0 / (stays + std::sqrt(root));
+    if (grown * off > most) continue;
+    out.of *= grown;
+    return true;
+  }
+  return false;
+}
+
+}  // namespace haptic::core

@@ -4,6 +4,9 @@
  *
  * Frame: any one that the point, the normal and the curvature share and that does not move with the
  * coordinates: the world, or the hand if the joints' angles are all that X has. */
+import { getOption } from "@bufbuild/protobuf";
+import { by_coupling, of_geometry } from "./gen/haptic/v1/field_options_pb.js";
+import { PlaneSchema } from "./gen/haptic/v1/session_pb.js";
 import type { Plane } from "./proxy.js";
 
 export type Vector3 = readonly [number, number, number];
@@ -130,35 +133,34 @@ export const sphereCurvature = (normal: Vector3, distance: number): Curvature3 =
 export const cylinderCurvature = (normal: Vector3, axis: Vector3, distance: number): Curvature3 =>
   across([normal, axis], distance);
 
-/** A point of the tool against an object. */
-export interface Contact {
+/** A point of the tool against an object; and id, velocity, mass and what else a Plane tells as
+ * well, in the units of session.proto. An object that is pushed needs an id and a mass. An absent
+ * objectDirection is the normal, of a body that does not turn. */
+export interface Contact extends Omit<Plane,
+    "normal" | "offset" | "compliance" | "curvature" | "firstCoordinate"> {
   point: PointMap;
-  /** Normal of the object at the nearest point, outwards, of length 1. */
+  /** Of the object at the nearest point, outwards, of length 1. */
   normal: Vector3;
   /** From the object to the point along the normal, m; < 0: inside. */
   gap: number;
   /** Absent: flat. */
   curvature?: Curvature3;
-  /** Stiffness of point and object in series, N/m, > 0. Absent: rigid. */
+  /** Of point and object in series, N/m, > 0. Absent: rigid. */
   stiffness?: number;
-  /** Speed of the object along -normal, m/s; > 0: it recedes. */
-  velocity?: number;
-  /** Names the contact from sample to sample; absent: nothing does. */
-  id?: number;
-  /** The motion along the normal of an object that is pushed (it needs an id): mass in kg, damping
-   * to ground in N s/m, stiffness to ground in N/m, and the force on it now without this contact's
-   * and the damping's, N; > 0: away from the tool. */
-  mass?: number;
-  damping?: number;
-  groundStiffness?: number;
-  load?: number;
-  /** The stiffness lies within 1 -+ this times `stiffness`; 0: exactly there. */
-  uncertainty?: number;
-  /** Names the body that is pushed, if several contacts push it. `load` is then without the forces
-   * of all these contacts, and each has the whole mass. */
-  object?: number;
-  /** Plane.objectDirection; absent: the normal, of a body that does not turn. */
-  objectDirection?: number[];
+}
+
+/** The fields that contact and plane have by the same name. */
+function toldOf(contact: Contact, coupling: number): Partial<Plane> {
+  const told: Record<string, unknown> = {}, given = contact as unknown as Record<string, unknown>;
+  for (const field of PlaneSchema.fields) {
+    if (getOption(field, of_geometry)) continue;
+    const absent = field.proto.proto3Optional ? undefined : field.fieldKind === "list" ? [] : 0;
+    const value = given[field.localName] ?? absent;
+    if (value === undefined) continue;
+    told[field.localName] = getOption(field, by_coupling) ? (value as number) / coupling : value;
+  }
+  if (contact.object && !contact.objectDirection) told["objectDirection"] = [...contact.normal];
+  return told;
 }
 
 /** The contact as the server takes it, linearised at the sample's position `x`. `coupling`: c of
@@ -183,17 +185,9 @@ export function contactAt(x: number[], contact: Contact, coupling: number): Plan
     normal: x.map((_, i) => -(gradient[i - first] ?? 0)),
     offset: gap - gradient.reduce((sum, slope, i) => sum + slope * x[first + i]!, 0),
     compliance: coupling / (contact.stiffness ?? Infinity),
-    velocity: contact.velocity ?? 0,
     curvature: curvature.some((value) => value !== 0) ? curvature : [],
     firstCoordinate: first,
-    id: contact.id ?? 0,
-    mass: (contact.mass ?? 0) / coupling,
-    damping: (contact.damping ?? 0) / coupling,
-    groundStiffness: (contact.groundStiffness ?? 0) / coupling,
-    load: (contact.load ?? 0) / coupling,
-    ...(contact.uncertainty !== undefined && { uncertainty: contact.uncertainty }),
-    object: contact.object ?? 0,
-    objectDirection: contact.objectDirection ?? (contact.object ? [...n] : []),
+    ...toldOf(contact, coupling),
   };
 }
 

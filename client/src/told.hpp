@@ -1,5 +1,5 @@
 #pragma once
-/// What a contact and its plane have by the same name.
+/// Fields that a contact and its plane have by the same name.
 
 #include "haptic/client/contact.hpp"
 

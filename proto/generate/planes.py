@@ -81,7 +81,7 @@ def cpp_conversion(schema: Schema) -> list[str]:
     return lines + ["}", "", "}  // namespace haptic::client"]
 
 
-# What crosses from the front to the owner, and core.
+# The values that cross from the front to the owner, and core's.
 
 
 def crossing(schema: Schema) -> list[str]:

@@ -139,13 +139,13 @@ export const cylinderCurvature = (normal: Vector3, axis: Vector3, distance: numb
 export interface Contact extends Omit<Plane,
     "normal" | "offset" | "compliance" | "curvature" | "firstCoordinate"> {
   point: PointMap;
-  /** Of the object at the nearest point, outwards, of length 1. */
+  /** Normal of the object at the nearest point, outwards, of length 1. */
   normal: Vector3;
   /** From the object to the point along the normal, m; < 0: inside. */
   gap: number;
   /** Absent: flat. */
   curvature?: Curvature3;
-  /** Of point and object in series, N/m, > 0. Absent: rigid. */
+  /** Stiffness of point and object in series, N/m, > 0. Absent: rigid. */
   stiffness?: number;
 }
 

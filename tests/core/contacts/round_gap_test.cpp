@@ -31,7 +31,7 @@ struct Jet {
 };
 using Body = std::function<Jet(const Eigen::VectorXd& x)>;
 
-/// By its radius, or without.
+/// Told by its radius, or without.
 RoundGap told(RoundGap::Moves moves, const Jet& jet, double radius = 0.0) {
   std::vector<double> lower;
   for (int row = 0; row < jet.g.size(); ++row) {

@@ -26,10 +26,10 @@ packages() {
     build) echo "g++ cmake ninja-build pkg-config libeigen3-dev libgrpc++-dev libprotobuf-dev" \
                 "protobuf-compiler protobuf-compiler-grpc libspdlog-dev libcli11-dev" \
                 "nlohmann-json3-dev libssl-dev libasio-dev libserialport-dev" \
-                "libsystemd-dev libboost-dev libseccomp-dev python3-protobuf dpkg-dev file" \
-                "help2man" ;;
+                "libsystemd-dev libboost-dev libseccomp-dev python3-protobuf python3-cffi" \
+                "dpkg-dev file help2man" ;;
     demo) echo "gnuplot-nox" ;;
-    hand) echo "libmujoco-dev libegl-dev libgl1-mesa-dri ffmpeg python3-grpcio" ;;
+    hand) echo "libmujoco-dev libegl-dev libgl1-mesa-dri ffmpeg" ;;
     test) echo "libgtest-dev libgmock-dev clang-format clang-tidy gnuplot-nox" \
                 "liborocos-kdl-dev clang python3-grpcio python3-cryptography tshark openssl" \
                 "python3-pip python3-setuptools python3-wheel" \

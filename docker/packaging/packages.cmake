@@ -30,11 +30,11 @@ set(CPACK_DEBIAN_CLIENT_PACKAGE_SUGGESTS avahi-utils)   # hapticctl find
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-haptic)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
-    "python3 (>= 3.11), python3-grpcio, python3-protobuf, python3-cryptography")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3-cffi-backend, \
+libhaptic0 (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Python client of hapticd
-Sessions, states, force and events over gRPC, and over UDP if the server
-offers it.")
+Sessions that reconnect, states, force, events and contacts: a binding over
+the C library libhaptic0.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libhaptic-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libgrpc++-dev, libprotobuf-dev, libssl-dev")

@@ -14,6 +14,7 @@ import cpp
 import csharp
 import owner
 import planes
+import python
 from schema import Schema
 
 KINDS = {
@@ -22,6 +23,7 @@ KINDS = {
     "cpp_convert": cpp.state_conversion,  # to and from v1::DeviceState
     "c": c.state_header,                  # haptic_state
     "c_convert": c.state_conversion,      # client::DeviceState -> haptic_state
+    "python": python.messages,            # DeviceState and Plane, from and to the C structs
     "csharp": csharp.state,               # DeviceState, and how it is read
     **planes.KINDS,
 }

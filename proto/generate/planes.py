@@ -22,7 +22,7 @@ def _numbers(schema: Schema) -> list[Field]:
     return [field for field in _fields(schema) if not field.repeated]
 
 
-def _told(schema: Schema) -> list[Field]:
+def told(schema: Schema) -> list[Field]:
     """What a contact has as well."""
     return [field for field in _fields(schema) if not field.of_geometry]
 
@@ -31,7 +31,7 @@ def _listed(schema: Schema) -> list[Field]:
     return [field for field in _numbers(schema) if not field.placed]
 
 
-def _about(field: Field, contact: bool) -> str:
+def about(field: Field, contact: bool) -> str:
     notes = field.unit if contact else field.allowed
     return " ".join(filter(None, [field.comment, f"[{notes}]" if notes else ""]))
 
@@ -46,7 +46,7 @@ def _cpp_members(fields: list[Field], contact: bool) -> list[str]:
         kind = f"std::vector<{kind}>" if field.repeated else kind
         kind = f"std::optional<{kind}>" if field.optional else kind
         start = "0.0" if kind == "double" else "0" if kind == _CPP["uint32"] else ""
-        lines += wrapped(_about(field, contact), "  /// ")
+        lines += wrapped(about(field, contact), "  /// ")
         lines.append(f"  {kind} {field.name}{{{start}}};")
     return lines
 
@@ -60,7 +60,7 @@ def cpp_plane(schema: Schema) -> list[str]:
 
 def cpp_contact(schema: Schema) -> list[str]:
     """Members of haptic::client::Contact, to be included in it."""
-    return [f"  // {_MADE}", *_cpp_members(_told(schema), True)]
+    return [f"  // {_MADE}", *_cpp_members(told(schema), True)]
 
 
 def cpp_conversion(schema: Schema) -> list[str]:
@@ -75,7 +75,7 @@ def cpp_conversion(schema: Schema) -> list[str]:
         else:
             lines.append(f"  to.set_{field.name}({got});")
     lines += ["}", "", "void tell(const Contact& from, double coupling, Plane& to) {"]
-    for field in _told(schema):
+    for field in told(schema):
         by = " / coupling" if field.by_coupling else ""
         lines.append(f"  to.{field.name} = from.{field.name}{by};")
     return lines + ["}", "", "}  // namespace haptic::client"]
@@ -147,7 +147,7 @@ def core(schema: Schema) -> list[str]:
     """Members of haptic::core::PlaneSet, to be included in it."""
     lines = [f"  // {_MADE}"]
     for field in _listed(schema):
-        lines += wrapped(_about(field, False), "  /// ")
+        lines += wrapped(about(field, False), "  /// ")
         lines.append(f"  Offsets {field.name}{{}};")
     names = ", ".join(field.name for field in _listed(schema))
     return lines + ["  [[nodiscard]] auto lists() const noexcept {",
@@ -160,7 +160,7 @@ def core(schema: Schema) -> list[str]:
 def _c_members(fields: list[Field], contact: bool) -> list[str]:
     lines = []
     for field in sorted(fields, key=lambda field: field.number):
-        about = _about(field, contact)
+        about = about(field, contact)
         lines += wrapped(about, "  /* ", "   * ", " */") if about else []
         if field.repeated:
             if not field.axis:
@@ -185,7 +185,7 @@ def c_header(schema: Schema) -> list[str]:
             "  double gap;          /* from the object to the point along the normal, m; < 0: "
             "inside */", "  double curvature[6]; /* of the object; haptic_sphere_curvature() */",
             "  double stiffness;    /* of point and object in series, N/m; 0: rigid */",
-            *_c_members(_told(schema), True), "} haptic_contact;", "", "#endif"]
+            *_c_members(told(schema), True), "} haptic_contact;", "", "#endif"]
 
 
 def _c_reader(name: str, struct: str, fields: list[Field]) -> list[str]:
@@ -205,7 +205,7 @@ def c_conversion(schema: Schema) -> list[str]:
     plane = [field for field in _fields(schema) if not field.axis]
     lines = [f"// {_MADE}", '#include "convert_plane.hpp"', "", "namespace haptic::c {",
              *_c_reader("Plane", "haptic_plane", plane),
-             *_c_reader("Contact", "haptic_contact", _told(schema)), "",
+             *_c_reader("Contact", "haptic_contact", told(schema)), "",
              "void write_fields(const client::Plane& from, haptic_plane& to) {"]
     for field in plane:
         got, to = f"from.{field.name}", f"to.{field.name}"
@@ -227,7 +227,7 @@ def _csharp_members(fields: list[Field], contact: bool) -> list[str]:
     for field in fields:
         kind = _CSHARP[field.kind] + ("[]" if field.repeated else "?" if field.optional else "")
         empty = f" = new {_CSHARP[field.kind]}[0]" if field.repeated else ""
-        lines += wrapped(_about(field, contact), "  /// ")
+        lines += wrapped(about(field, contact), "  /// ")
         lines.append(f"  public {kind} {pascal(field.name)}{empty};")
     return lines
 
@@ -242,11 +242,11 @@ def csharp(schema: Schema) -> list[str]:
             kind = {"double": "Real", "uint32": "Number"}[field.kind] + "s" * field.repeated
             writes.append(f"    to.{kind}({field.number}, {got});")
     tells = [f"    to.{pascal(field.name)} = from.{pascal(field.name)}"
-             f"{' / coupling' if field.by_coupling else ''};" for field in _told(schema)]
+             f"{' / coupling' if field.by_coupling else ''};" for field in told(schema)]
     return [f"// {_MADE}", "namespace Haptic {", "",
             *wrapped(schema.messages["Plane"].comment, "/// "), "public sealed class HapticPlane {",
             *_csharp_members(_fields(schema), False), "}", "",
-            "public sealed partial class Contact {", *_csharp_members(_told(schema), True), "",
+            "public sealed partial class Contact {", *_csharp_members(told(schema), True), "",
             "  internal static void Tell(Contact from, double coupling, HapticPlane to) {",
             *(line.replace("    ", "    ", 1) for line in tells), "  }", "}", "",
             "public sealed partial class HapticSession {",

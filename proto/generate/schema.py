@@ -114,12 +114,16 @@ class Schema:
                       for i, field in enumerate(message.field)]
             self.messages[message.name] = Message(
                 message.name, comments.get(path, ""), [field for field in fields if field.kind])
+            for enum in message.enum_type:
+                self._enum(enum, "")
         for index, enum in enumerate(file.enum_type):
-            prefix = _capitals(enum.name) + "_"
-            self.enums[enum.name] = Enum(
-                enum.name, self._options(enum, "EnumOptions")("called_enum"),
-                comments.get((_FILE_ENUM, index), ""),
-                [(value.name.removeprefix(prefix), value.number) for value in enum.value])
+            self._enum(enum, comments.get((_FILE_ENUM, index), ""))
+
+    def _enum(self, enum: pb.EnumDescriptorProto, comment: str) -> None:
+        prefix = capitals(enum.name) + "_"
+        self.enums[enum.name] = Enum(
+            enum.name, self._options(enum, "EnumOptions")("called_enum"), comment,
+            [(value.name.removeprefix(prefix), value.number) for value in enum.value])
 
     def _field(self, message: str, field: pb.FieldDescriptorProto, comment: str) -> Field:
         said = self._options(field, "FieldOptions")
@@ -152,5 +156,6 @@ def _joined(place: pb.SourceCodeInfo.Location) -> str:
     return " ".join((place.leading_comments + place.trailing_comments).split())
 
 
-def _capitals(name: str) -> str:
+def capitals(name: str) -> str:
+    """"DEVICE_STATE_NAME" of DeviceStateName."""
     return "".join("_" + c if c.isupper() and i else c for i, c in enumerate(name)).upper()

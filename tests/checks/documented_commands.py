@@ -134,7 +134,7 @@ SCRIPTS = {
 CODE = {
     ("README.md", "cpp"): (1, "tests/checks/CMakeLists.txt", "readme_first_client"),
     ("client/README.md", "cpp"): (6, "tests/checks/CMakeLists.txt", "client/README.md cpp 6"),
-    ("client/README.md", "python"): (2, "tests/client/python/session_test.py", '"```python\\n"'),
+    ("client/README.md", "python"): (3, "tests/client/python/session_test.py", '"```python\\n"'),
     ("hw/README.md", "cpp"): (1, "tests/checks/CMakeLists.txt", "haptic_readme_code(hw 1 "),
 }
 SCRIPT = re.compile(

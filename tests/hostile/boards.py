@@ -1,6 +1,7 @@
 """Boards that lie, and boards that should never have been opened."""
 
 import contextlib
+import os
 import random
 import struct
 import time
@@ -280,6 +281,7 @@ def arm_by_lease(daemon):
               "        if s.state and s.state.state == 'ARMED': break\n")
     with contextlib.suppress(subprocess.TimeoutExpired):
         subprocess.run([sys.executable, "-c", script, daemon.address], timeout=15.0,
+                       env={**os.environ, "PYTHONPATH": os.environ["HAPTIC_PYTHON"]},
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 

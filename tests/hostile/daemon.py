@@ -293,6 +293,7 @@ class Controller:
         self.state, self.ended = "", 0
         self.process = subprocess.Popen(
             [sys.executable, str(HERE / "controller.py"), address, device, *x],
+            env={**os.environ, "PYTHONPATH": os.environ["HAPTIC_PYTHON"]},
             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         self.thread = threading.Thread(target=self.listen)
         self.thread.start()

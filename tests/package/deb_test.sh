@@ -43,7 +43,7 @@ holds hapticd-client ./usr/bin/hapticctl ./usr/bin/haptic-example-soft-grasp \
   ./usr/share/bash-completion/completions/hapticctl
 holds python3-haptic ./usr/lib/python3/dist-packages/haptic/__init__.py \
   ./usr/lib/python3/dist-packages/haptic/py.typed \
-  ./usr/lib/python3/dist-packages/haptic/v1/session_pb2.py
+  ./usr/lib/python3/dist-packages/haptic/_libhaptic.py
 holds libhaptic-dev ./usr/include/haptic/client/client.hpp \
   ./usr/share/haptic/proto/haptic/v1/session.proto
 holds libhaptic0 ./usr/lib/libhaptic.so.0
@@ -67,8 +67,10 @@ field libhaptic0 Depends | grep -qF libgrpc++ || fail "libhaptic0 does not ask f
   fail "libhaptic-c-dev asks for $(field libhaptic-c-dev Depends)"
 dpkg-deb --info "$(package libhaptic0 "$folder")" shlibs | grep -q '^libhaptic 0 libhaptic0 ' ||
   fail "libhaptic0 does not tell other packages who has the library"
-field python3-haptic Depends | grep -qF python3-grpcio ||
-  fail "python3-haptic does not ask for gRPC"
+for needed in python3-cffi-backend "libhaptic0 (= $(field libhaptic0 Version))"; do
+  field python3-haptic Depends | grep -qF "$needed" ||
+    fail "python3-haptic does not ask for $needed"
+done
 for name in $packages; do
   holds $name ./usr/share/doc/$name/copyright ./usr/share/doc/$name/changelog.Debian.gz
   field $name Description | sed -n 1p >>"$folder/synopses"

@@ -24,7 +24,7 @@ fail() {
   exit 1
 }
 
-for component in server client dev c c_dev mujoco; do  # mujoco: nothing, if it was not here
+for component in server client python dev c c_dev mujoco; do  # mujoco: nothing, if it was not here
   cmake --install "$build" --prefix "$prefix" --component $component >"$folder/$component.log"
 done
 
@@ -97,3 +97,9 @@ for program in "$folder/foreign_c/foreign_c" "$folder/c_by_pkg_config"; do
   LD_LIBRARY_PATH=${pc%/pkgconfig} timeout 30 "$program" "unix:$socket" 1 || fail "$program"
 done
 timeout 30 "$prefix/bin/hapticctl" --server "unix:$socket" info >/dev/null || fail "hapticctl"
+# Python finds the library of its own prefix.
+if /usr/bin/python3 -c "import _cffi_backend" 2>/dev/null; then
+  PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=$prefix/lib/python3/dist-packages timeout 30 \
+    /usr/bin/python3 -c "import haptic, sys; print(haptic.Connection(sys.argv[1]).devices())" \
+    "unix:$socket" >/dev/null || fail "the package haptic"
+fi

@@ -4,7 +4,7 @@ the devices goes on, stops by the local control socket, and gets a new front. Wh
 
     front_test.py HAPTICD HAPTICCTL HAPTIC-HOSTILE-FRONT HAPTIC-EXAMPLE-SOFT-GRASP SCENES [TEST...]
 
-The package haptic is on PYTHONPATH.
+The messages of haptic.v1 are on PYTHONPATH.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import grpc
-import haptic
+from haptic.v1 import haptic_service_pb2 as service
 from haptic.v1 import session_pb2 as wire
 from haptic.v1.haptic_service_pb2_grpc import HapticServiceStub
 
@@ -263,13 +263,14 @@ class Fronts(unittest.TestCase):
 
     def test_a_local_stop_is_cleared_locally(self) -> None:
         daemon = self.hapticd()
-        with haptic.Connection(daemon.address()) as connection:
+        with grpc.insecure_channel(daemon.address()) as channel:
+            stub, clear = HapticServiceStub(channel), service.ClearFaultRequest()
             self.assertEqual(daemon.ctl("estop")[0], 0)
-            with self.assertRaisesRegex(haptic.ClientError, "stopped on the host"):
-                connection.clear_fault()
+            with self.assertRaisesRegex(grpc.RpcError, "stopped on the host"):
+                stub.ClearFault(clear, timeout=PATIENCE_S)
             self.assertEqual(daemon.ctl("clear-fault"), (0, "cleared: EMERGENCY_STOP\n"))
-            connection.emergency_stop()
-            self.assertEqual(connection.clear_fault(), [7])
+            stub.EmergencyStop(service.EmergencyStopRequest(), timeout=PATIENCE_S)
+            self.assertEqual(list(stub.ClearFault(clear, timeout=PATIENCE_S).cleared), [7])
 
     def test_one_port_two_daemons_two_sockets(self) -> None:
         daemon = self.hapticd()

@@ -116,18 +116,14 @@ def press_in_python(address, udp):
     import haptic
     carriers = haptic.Carriers.BEST if udp else haptic.Carriers.STREAM
     with haptic.Connection(address) as connection:
-        while True:
-            with contextlib.suppress(haptic.ClientError):
-                with connection.session(client_name="presser", nominal_rate_hz=60,
-                                        carriers=carriers) as session:
-                    session.engage_when_ready()
-                    while True:
-                        state = session.wait_for_state(1.0)
-                        force = state.gain > 0  # which begins with a free proxy
-                        session.publish(haptic.held(state.x_probe) if force else haptic.FREE)
-                        if any(event.kind == "LOST" for event in session.events()):
-                            session.engage_when_ready()
-            time.sleep(0.1)
+        with connection.session(client_name="presser", nominal_rate_hz=60, carriers=carriers,
+                                reconnect=True, re_engage=True) as session:
+            session.engage_when_ready()
+            while True:
+                force = session.state is not None and session.state.gain > 0
+                x = session.state.x_probe if force else ()  # force begins with a free proxy
+                session.publish(haptic.held(x) if force else haptic.FREE)
+                time.sleep(1 / 60)
 
 
 class Unplugged(unittest.TestCase):

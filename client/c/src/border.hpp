@@ -117,6 +117,8 @@ int guarded(haptic_error* error, Body body) noexcept {
     return report(error, why);
   } catch (const std::out_of_range& why) {
     return report(error, HAPTIC_ERROR_INVALID_ARGUMENT, why.what());
+  } catch (const std::invalid_argument& why) {
+    return report(error, HAPTIC_ERROR_INVALID_ARGUMENT, why.what());
   } catch (const std::bad_alloc&) {
     return report(error, HAPTIC_ERROR_NO_MEMORY, "out of memory");
   } catch (const std::exception& why) {

@@ -9,6 +9,8 @@ namespace client = haptic::client;
 namespace {
 
 constexpr std::size_t kMostJoints = HAPTIC_MAX_POINT_COORDINATES;
+constexpr std::size_t kExpectedContacts = 32;
+constexpr std::size_t kMostContacts = 1024;  // haptic_solve() says it
 
 /// `wanted` values from `first` on, of `count`.
 void within(std::size_t first, std::size_t wanted, std::size_t count) {
@@ -39,6 +41,42 @@ std::size_t joints_within(std::size_t count, const char* name) {
 
 void write_curvature(const client::Curvature3& made, double* curvature) {
   std::copy(made.begin(), made.end(), given(curvature, "curvature"));
+}
+
+/// What the caller's function says, as ContactsAt.
+client::ContactsAt asking(haptic_contacts_at contacts, void* user) {
+  return [=](const std::vector<double>& x) {
+    haptic_contact empty{};
+    empty.size = sizeof empty;
+    empty.point.size = sizeof empty.point;
+    std::vector<haptic_contact> told(kExpectedContacts, empty);
+    std::int64_t count = contacts(x.data(), x.size(), told.data(), told.size(), user);
+    if (count > static_cast<std::int64_t>(told.size())) {
+      told.assign(kMostContacts, empty);
+      count = contacts(x.data(), x.size(), told.data(), told.size(), user);
+    }
+    if (count < 0) refuse("contacts gave up: it returned " + std::to_string(count));
+    if (count > static_cast<std::int64_t>(kMostContacts)) {
+      refuse("contacts returned " + std::to_string(count) + ", must be at most " +
+             std::to_string(kMostContacts));
+    }
+    std::vector<client::Contact> made;
+    for (std::int64_t i = 0; i < count; ++i) {
+      made.push_back(to_contact(read(&told[static_cast<std::size_t>(i)], "contacts")));
+    }
+    return made;
+  };
+}
+
+client::SolveOptions to_options(const haptic_solve_options* options, std::size_t count) {
+  client::SolveOptions to;
+  if (options == nullptr) return to;
+  const haptic_solve_options wanted = read(options, "options");
+  if (wanted.start != nullptr) to.start.assign(wanted.start, wanted.start + count);
+  if (wanted.weights != nullptr) to.weights.assign(wanted.weights, wanted.weights + count);
+  if (wanted.iterations != 0) to.iterations = wanted.iterations;
+  if (wanted.tolerance != 0.0) to.tolerance = wanted.tolerance;
+  return to;
 }
 
 double distance_from(double distance) {
@@ -169,5 +207,25 @@ int haptic_derive_planes(const haptic_coordinate* kinds, const double* x, const 
         client::derive_planes(device, proxy, probe, to_blocks(blocks, block_count), least);
     *plane_count = made.size();
     write_each(made, planes, capacity, [](const client::Plane& plane) { return to_plane(plane); });
+  });
+}
+
+int haptic_solve(haptic_contacts_at contacts, void* user, const double* x_probe, size_t count,
+                 double coupling, const haptic_solve_options* options, haptic_solution* solution,
+                 haptic_plane* planes, size_t capacity, haptic_error* error) {
+  return guarded(error, [&] {
+    sized(solution, "solution");
+    if (capacity > 0) sized(planes, "planes");
+    const std::vector<double> probe = coordinates(x_probe, count, 0, 0);
+    const client::Solution found = client::solve(asking(given(contacts, "contacts"), user), probe,
+                                                 coupling, to_options(options, count));
+    haptic_solution to{};
+    to.converged = found.converged ? 1 : 0;
+    to.iterations = found.iterations;
+    write_list(found.x, to.x);
+    to.plane_count = found.planes.size();
+    write(to, solution);
+    write_each(found.planes, planes, capacity,
+               [](const client::Plane& plane) { return to_plane(plane); });
   });
 }

@@ -44,10 +44,10 @@ with haptic.Connection(arguments.server) as server:
             state = session.wait_for_state()
             if state.proxy_seq_used > 0:
                 ages.append(state.proxy_age_s * 1e3)
-                by_udp += state.transport == "UDP"
+                by_udp += state.carrier == "UDP"
         took = time.monotonic() - begin
         time.sleep(0.5)  # the last acknowledgement
-        counts = session.samples()
+        counts = session.statistics()
 
 p50, p99 = (statistics.quantiles(ages, n=100, method="inclusive")[i - 1] for i in (50, 99))
 print(f"published {counts.published} in {took:.1f} s ({counts.published / took:.0f} Hz), "

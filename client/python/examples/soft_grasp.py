@@ -18,57 +18,30 @@ CENTRE, RADIUS_M = (0.050, -0.030), 0.020  # cylinder, below the finger
 POINT_N_PER_M = 400.0
 JOINT_NM_PER_RAD = 0.05  # how firmly the proxy follows the hand
 POINTS = 6  # along each phalanx
-STEPS = 12
 PIECE_RAD = 0.05  # of the probe's way per balance
 
 
-def contacts(q: tuple[float, ...], horizon: float) -> list[haptic.Plane]:
+def contacts(q: tuple[float, ...], horizon: float) -> list[haptic.Contact]:
     """The points with a gap up to `horizon` (m), at the joint angles q."""
     found = []
     for phalanx, length in enumerate((PROXIMAL_M, DISTAL_M)):
         for i in range(1, POINTS + 1):
             point = haptic.point_on_finger((PROXIMAL_M,), q, phalanx, length * i / POINTS)
-            away = (point.position[0] - CENTRE[0], point.position[1] - CENTRE[1])
+            x, y, _ = point.position
+            away = (x - CENTRE[0], y - CENTRE[1])
             distance = math.hypot(*away)
             if distance == 0.0 or distance - RADIUS_M > horizon:
                 continue
             normal = (away[0] / distance, away[1] / distance, 0.0)
-            found.append(haptic.contact_at(
-                q, point, normal, distance - RADIUS_M, coupling=JOINT_NM_PER_RAD,
-                stiffness=POINT_N_PER_M, uncertainty=0.0, id=1 + phalanx * POINTS + i,
-                curvature=haptic.cylinder_curvature(normal, (0.0, 0.0, 1.0), distance)))
+            found.append(haptic.Contact(
+                point, normal, distance - RADIUS_M, stiffness=POINT_N_PER_M, uncertainty=0.0,
+                curvature=haptic.cylinder_curvature(normal, (0.0, 0.0, 1.0), distance),
+                id=1 + phalanx * POINTS + i))
     return found
 
 
 def touching(q: tuple[float, ...]) -> bool:
-    return any(gap(contact, q) < 0.0 for contact in contacts(q, 0.0))
-
-
-def gap(contact: haptic.Plane, q: tuple[float, ...]) -> float:
-    return contact.offset - sum(n * a for n, a in zip(contact.normal, q))
-
-
-def balanced(probe: tuple[float, ...], start: tuple[float, ...]) -> tuple[float, ...]:
-    """The angles where contacts and the hand's pull cancel, by Newton's method on the energy
-    |q - probe|^2 / 2 + sum of gap^2 / compliance / 2 over the points inside."""
-    q = start
-    for _ in range(STEPS):
-        pull = [a - p for a, p in zip(q, probe)]
-        h11, h21, h22 = 1.0, 0.0, 1.0
-        for contact in contacts(q, 0.0):
-            depth, (n1, n2) = -gap(contact, q), contact.normal
-            pull[0] += depth / contact.compliance * n1
-            pull[1] += depth / contact.compliance * n2
-            h11 += n1 * n1 / contact.compliance
-            h21 += n1 * n2 / contact.compliance
-            h22 += n2 * n2 / contact.compliance
-        determinant = h11 * h22 - h21 * h21  # >= 1
-        step = ((h21 * pull[1] - h22 * pull[0]) / determinant,
-                (h21 * pull[0] - h11 * pull[1]) / determinant)
-        q = (q[0] + step[0], q[1] + step[1])
-        if math.hypot(*step) < 1e-12:
-            break
-    return q
+    return any(contact.gap < 0.0 for contact in contacts(q, 0.0))
 
 
 class Grasp:
@@ -85,9 +58,10 @@ class Grasp:
         pieces = max(1, math.ceil(max(abs(p - b) for p, b in zip(probe, begin)) / PIECE_RAD))
         for i in range(1, pieces + 1):
             self.probe = tuple(b + i / pieces * (p - b) for p, b in zip(probe, begin))
-            self.x = balanced(self.probe, self.x)
-        near = contacts(self.x, horizon)
-        return haptic.behind(near, self.x) if near else haptic.FREE
+            found = haptic.solve(lambda q: contacts(q, horizon), self.probe, JOINT_NM_PER_RAD,
+                                 start=self.x)
+            self.x = found.x
+        return found.proxy()
 
 
 def main() -> None:
@@ -96,14 +70,12 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=20.0)
     arguments = parser.parse_args()
     with haptic.Connection(arguments.server) as server:
-        with server.session(client_name="soft_grasp.py", nominal_rate_hz=RATE_HZ) as session:
+        with server.session(client_name="soft_grasp.py", nominal_rate_hz=RATE_HZ, reconnect=True,
+                            re_engage=True) as session:  # a pause costs no more than the force
             session.engage_when_ready()
             grasp, peak = Grasp(), 0.0
             for frame in range(int(arguments.seconds * RATE_HZ)):
                 state = session.wait_for_state()
-                kinds = [event.kind for event in session.events()]
-                if "LOST" in kinds and "FAULT" not in kinds:
-                    session.engage_when_ready()  # a pause: force never comes back by itself
                 horizon = haptic.contact_horizon(session.round_trip_s, 1 / RATE_HZ)
                 session.publish(grasp.step(state.x_probe, horizon))
                 peak = max(peak, abs(state.tau_elastic[0]))
@@ -111,7 +83,7 @@ def main() -> None:
                     print(f"{state.state:9} {'touching' if touching(grasp.x) else 'free':8} "
                           f"{state.tau_a[0]:6.2f} N", flush=True)
             print(f"largest elastic force {peak:.2f} N, "
-                  f"{session.samples().accepted} samples accepted")
+                  f"{session.statistics().accepted} samples accepted")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Client of hapticd for Python 3.11 over Debian's python3-grpcio.
+"""Client of hapticd for Python 3.11, over the C library libhaptic0.
 
     with haptic.Connection() as server:
         with server.session(client_name="my simulation", nominal_rate_hz=60) as session:
@@ -8,55 +8,61 @@
                 x = simulate(state.x_probe)  # where the object lets the finger be
                 session.publish(haptic.held(x) if touching else haptic.FREE)
 
-SI units; arrays in the order of Connection.devices(). proto/README.md is the protocol.
+SI units; arrays in the order of Connection.devices(), and any sequence of numbers is taken, arrays
+of numpy too. A call that fails raises ClientError, whose `reason` is for programs; functions of
+geometry raise ValueError. Ctrl-C ends every wait. proto/README.md is the protocol.
+
+Values, each with help() of its own: DeviceState, PassivityState and TrackerState come down; Proxy,
+Plane and Pose go up; Device, DegreeOfFreedom, Coordinate, ServerInfo, Settings, Event and
+Statistics are answers; Tls, Priority and Carriers are options; Contact, PointMap, JointAxis and
+Solution are geometry.
 """
 
 from ._connection import Connection
 from ._contact import (
     FASTEST_POINT,
-    JointAxis,
-    PointMap,
+    contact,
     contact_at,
     contact_horizon,
     cylinder_curvature,
+    derive_planes,
     point_itself,
     point_on_finger,
     point_on_joints,
     point_on_pose,
+    solve,
     sphere_curvature,
 )
-from ._errors import ClientError
+from ._contact import Contact as Contact
+from ._contact import JointAxis as JointAxis
+from ._contact import PointMap as PointMap
+from ._contact import Solution as Solution
+from ._library import ClientError as ClientError
+from ._messages import DeviceState as DeviceState
+from ._messages import PassivityState as PassivityState
+from ._messages import Plane as Plane
+from ._messages import Told as Told
+from ._messages import TrackerState as TrackerState
 from ._ports import DEFAULT_SERVER
 from ._session import Session
-from ._state import (
-    DeviceState,
-    PassivityState,
-    TrackerState,
-)
-from ._types import (
-    FREE,
-    Carriers,
-    Coordinate,
-    Device,
-    DegreeOfFreedom,
-    Event,
-    Plane,
-    Pose,
-    Proxy,
-    SampleCounts,
-    ServerInfo,
-    Settings,
-    held,
-    behind,
-    contact,
-)
+from ._types import FREE, behind, held
+from ._types import Carriers as Carriers
+from ._types import Coordinate as Coordinate
+from ._types import DegreeOfFreedom as DegreeOfFreedom
+from ._types import Device as Device
+from ._types import Event as Event
+from ._types import Pose as Pose
+from ._types import Priority as Priority
+from ._types import Proxy as Proxy
+from ._types import ServerInfo as ServerInfo
+from ._types import Settings as Settings
+from ._types import Statistics as Statistics
+from ._types import Tls as Tls
 from ._version import __version__
 
 __all__ = [
-    "DEFAULT_SERVER", "FASTEST_POINT", "FREE", "Carriers", "ClientError",
-    "Connection", "Coordinate", "DegreeOfFreedom", "Device", "DeviceState",
-    "Event", "JointAxis", "PassivityState", "Plane", "PointMap", "Pose", "Proxy", "SampleCounts",
-    "ServerInfo", "Session", "Settings", "TrackerState", "__version__", "behind", "contact",
-    "contact_at", "contact_horizon", "cylinder_curvature", "held", "point_itself",
-    "point_on_finger", "point_on_joints", "point_on_pose", "sphere_curvature",
+    "DEFAULT_SERVER", "FASTEST_POINT", "FREE", "Connection", "Session", "__version__", "behind",
+    "contact", "contact_at", "contact_horizon", "cylinder_curvature", "derive_planes", "held",
+    "point_itself", "point_on_finger", "point_on_joints", "point_on_pose", "solve",
+    "sphere_curvature",
 ]

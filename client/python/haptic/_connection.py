@@ -2,111 +2,126 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator
 
-import grpc
-
-from ._errors import ClientError, ask, to_error
+from ._library import ClientError, Handle, ask, call, ffi, lib, new, text
+from ._messages import DeviceState
 from ._ports import DEFAULT_SERVER
 from ._session import Session
-from ._state import DeviceState
-from ._types import Carriers, Device, Event, ServerInfo
-from .v1 import haptic_service_pb2 as service
-from .v1 import haptic_service_pb2_grpc as stubs
+from ._types import Carriers, Device, Event, Priority, ServerInfo, Tls
 
-_OPTIONS = [
-    ("grpc.use_local_subchannel_pool", 1),
-    # A connection over which nothing comes back is given up: a ping after 1 s of silence, 2 s for
-    # an answer or for TCP's acknowledgement.
-    ("grpc.keepalive_time_ms", 1000),
-    ("grpc.keepalive_timeout_ms", 2000),
-    ("grpc.http2.max_pings_without_data", 0),
-    # An attempt takes 1.5 s at most ("min_reconnect_backoff"), and the next follows within 0.5 s.
-    ("grpc.initial_reconnect_backoff_ms", 100),
-    ("grpc.min_reconnect_backoff_ms", 1500),
-    ("grpc.max_reconnect_backoff_ms", 500),
-]
+_MOST_NAMES = 65536  # bytes
 
 
 class Connection:
     """A connection to "host:port" or "unix:/path". Does not wait for the server. A call that needs
-    an answer raises ClientError if none comes within 5 s."""
+    an answer raises ClientError if none comes within 5 s. Every method may be called from any
+    thread. Sessions outlive their connection."""
 
-    def __init__(self, address: str = DEFAULT_SERVER) -> None:
-        host, colon, port = address.rpartition(":")
-        if not (address.startswith("unix:/") or (host and colon and port.isdigit())):
-            raise ClientError("INVALID_ARGUMENT",
-                              f"server address '{address}': must be host:port or unix:/path")
-        self._address = address
-        self._channel = grpc.insecure_channel(address, options=_OPTIONS)
-        # Without a call under way grpc looks after a connection every 5 s: one that the network
-        # has just given back would stay half made for so long. Watching it makes it look at once.
-        before = set(threading.enumerate())
-        self._channel.subscribe(self._watch)
-        self._watchers = set(threading.enumerate()) - before
-        self._stub = stubs.HapticServiceStub(self._channel)
+    def __init__(self, address: str = DEFAULT_SERVER, *, tls: Tls | None = None) -> None:
+        """Without `tls` hapticd takes only programs on its own host."""
+        options, made = new("haptic_connect_options"), ffi.new("haptic_connection **")
+        kept = [ffi.new("char[]", address.encode())]
+        options.address = kept[0]
+        if tls is not None:
+            options.tls = 1
+            for name in ("ca_file", "certificate_file", "key_file", "server_name"):
+                if getattr(tls, name) != "":
+                    kept.append(ffi.new("char[]", str(getattr(tls, name)).encode()))
+                    setattr(options, name, kept[-1])
+        call(lib.haptic_connect, options, made)
+        self._handle = Handle(made[0], lib.haptic_disconnect)
 
     def __enter__(self) -> Connection:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
-
-    @staticmethod
-    def _watch(_: object) -> None:
-        pass
+        self._handle.leave()
 
     def close(self) -> None:
-        # grpc's watcher asks every 0.2 s whether it is still wanted. If the channel is closed
-        # earlier, the watcher ends with a traceback.
-        self._channel.unsubscribe(self._watch)
-        for watcher in self._watchers:
-            watcher.join(1.0)
-        self._channel.close()
+        """Idempotent."""
+        self._handle.close()
 
     def server_info(self) -> ServerInfo:
-        return ServerInfo.of(ask(self._stub.GetServerInfo, service.GetServerInfoRequest()))
+        info = new("haptic_server_info")
+        ask(lib.haptic_server, self._handle.c, info)
+        return ServerInfo.of(info)
+
+    def healthy(self, device: str = "") -> bool:
+        """Whether the device, or every one, is open and the 1 kHz loop is on time."""
+        answer = ffi.new("int32_t *")
+        ask(lib.haptic_health, self._handle.c, device.encode(), answer)
+        return bool(answer[0] == 1)
 
     def devices(self) -> list[Device]:
-        answer = ask(self._stub.ListDevices, service.ListDevicesRequest())
-        return [Device.of(device) for device in answer.devices]
+        found, count = ffi.new("haptic_device[]", 1), ffi.new("size_t *", 1)
+        while True:
+            found[0].size = ffi.sizeof("haptic_device")
+            ask(lib.haptic_devices, self._handle.c, found, len(found), count)
+            if count[0] <= len(found):
+                return [Device.of(found[i]) for i in range(count[0])]
+            found = ffi.new("haptic_device[]", count[0])
 
     def session(self, *, client_name: str, nominal_rate_hz: float, device: str = "",
                 observer: bool = False, tracker: bool = False, state_rate_hz: float | None = None,
-                carriers: Carriers = Carriers.BEST) -> Session:
+                priority: Priority = Priority.PRIMARY, carriers: Carriers = Carriers.BEST,
+                reconnect: bool = False, re_engage: bool = False, derive_planes: bool = False,
+                blocks: Iterable[tuple[int, int]] = (), fresh_end_s: float = 0.0,
+                hold_end_s: float = 0.0, fade_end_s: float = 0.0, timeout: float = 5.0) -> Session:
         """Opens a session and waits until the server agrees. Close it, or use it in `with`. States
         come at `state_rate_hz`; None: at the nominal rate; 0: every tick, which is much for Python.
+
         An `observer` only receives; a `tracker` publishes poses of the palm that carries the device
-        (publish_pose()). A session is not both."""
-        rate = nominal_rate_hz if state_rate_hz is None else state_rate_hz
-        return Session(self._stub, self._address, service_device=device, client_name=client_name,
-                       nominal_rate_hz=nominal_rate_hz, observer=observer, tracker=tracker,
-                       state_rate_hz=rate, carriers=carriers)
+        (publish_pose()). A session is not both.
+
+        `reconnect`: a lost stream is opened again and the session resumed, with its force if that
+        is soon enough. `re_engage`: force is asked for again after it was lost, never after a
+        fault. `derive_planes`: a held proxy is sent as contacts, one per block (first coordinate,
+        how many) of `blocks`; none: all coordinates are one. The ends are ages at which a sample
+        stops being fresh, its force begins to fade, and is zero: each can shorten the scene's
+        limit; 0: it is the scene's. `timeout`: s, of each call that waits for the server."""
+        options, made = new("haptic_session_options"), ffi.new("haptic_session **")
+        kept = ffi.new("char[]", device.encode()), ffi.new("char[]", client_name.encode())
+        options.device, options.client_name = kept
+        options.observer, options.tracker = observer, tracker
+        options.priority, options.carriers = priority, carriers
+        options.nominal_rate_hz = nominal_rate_hz
+        options.state_rate_hz = nominal_rate_hz if state_rate_hz is None else state_rate_hz
+        options.reconnect, options.re_engage = reconnect, re_engage
+        options.derive_planes, options.timeout_ms = derive_planes, round(timeout * 1e3)
+        pairs = ffi.new("haptic_block[]", [tuple(map(int, block)) for block in blocks])
+        options.blocks, options.block_count = pairs, len(pairs)
+        options.fresh_end_ns, options.hold_end_ns, options.fade_end_ns = (
+            round(end * 1e9) for end in (fresh_end_s, hold_end_s, fade_end_s))
+        ask(lib.haptic_open, self._handle.c, options, made,
+            undo=lambda: lib.haptic_close(made[0]))
+        return Session(Handle(made[0], lib.haptic_close))
 
     def watch(self, device: str = "", rate_hz: float = 30.0) -> Iterator[DeviceState | Event]:
-        """States and events of a device until the server ends, or the iterator is closed."""
-        call = self._stub.Watch(service.WatchRequest(device=device, rate_hz=rate_hz))
-        try:
-            for response in call:
-                if response.HasField("state"):
-                    yield DeviceState.of(response.state)
-                elif response.HasField("event"):
-                    yield Event.of(response.event)
-        except grpc.RpcError as error:
-            raise to_error(error) from None
-        finally:
-            call.cancel()
+        """States and events of a device, the newest of each, until the server ends or the iterator
+        is closed: those of an observer."""
+        with self.session(client_name="watch", nominal_rate_hz=rate_hz, device=device,
+                          observer=True) as session:
+            while True:
+                yield from session.events()
+                try:
+                    yield session.wait_for_state(0.1)
+                except ClientError as error:
+                    if error.reason != "TIMEOUT":
+                        raise
 
     def emergency_stop(self, device: str = "", reason: str = "") -> list[str]:
         """Stops `device`, or all devices if it is empty; needs no session. Returns the devices that
         are in FAULT now."""
-        request = service.EmergencyStopRequest(device=device, reason=reason)
-        return list(ask(self._stub.EmergencyStop, request).stopped)
+        names = ffi.new("char[]", _MOST_NAMES)
+        ask(lib.haptic_emergency_stop, self._handle.c, device.encode(), reason.encode(), names,
+            _MOST_NAMES)
+        return text(names).splitlines()
 
-    def clear_fault(self, device: str = "", faults: Sequence[int] = ()) -> list[int]:
-        """Clears faults by number; empty: all that are active. Returns what was cleared. Raises
+    def clear_fault(self, device: str = "", faults: Iterable[int] = ()) -> list[int]:
+        """Clears faults by number; none: all that are active. Returns what was cleared. Raises
         FAULT_PERSISTS if a cause persists."""
-        request = service.ClearFaultRequest(device=device, fault_ids=faults)
-        return list(ask(self._stub.ClearFault, request).cleared)
+        cleared = ffi.new("uint32_t *")
+        ask(lib.haptic_clear_fault, self._handle.c, device.encode(),
+            sum(1 << int(fault) for fault in faults), cleared)
+        return [bit for bit in range(32) if cleared[0] >> bit & 1 == 1]

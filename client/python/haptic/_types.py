@@ -1,105 +1,83 @@
-"""What goes in and out: plain frozen values. Fields as in proto/haptic/v1/*.proto."""
+"""What goes in and out: plain frozen values."""
 
 from __future__ import annotations
 
 import dataclasses
 import enum
-from collections.abc import Sequence
+from collections.abc import Iterable
+from typing import Any, TypeVar
 
-from ._names import name_of
-from .v1 import haptic_service_pb2 as service
-from .v1 import session_pb2 as wire
+from ._library import ffi, floats, lists, name_of, text
+from ._messages import DEVICE_STATE_NAME, KIND, RENDERER, Plane
+
+T = TypeVar("T")
+_DISCONNECTED = {1000: "DISCONNECTED"}  # HAPTIC_EVENT_DISCONNECTED
 
 
-class Carriers(enum.Enum):
+class Carriers(enum.IntEnum):
     """What may carry samples and states."""
 
-    BEST = "best"  # UDP while it proves good, the stream otherwise
-    STREAM = "stream"  # the gRPC stream alone
+    BEST = 0  # UDP while it proves good, the stream otherwise
+    STREAM = 1  # the gRPC stream alone
+    UDP = 2  # drops samples while UDP does not work; for measurements
+
+
+class Priority(enum.IntEnum):
+    """A controller takes the device from one with a lower priority."""
+
+    TEST = 1
+    PRIMARY = 2
+    OPERATOR = 3
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Plane:
-    """What the proxy may not pass, normal . x <= offset, or a contact, which also says how the
-    object gives way, curves and moves (proto/README.md, Contacts)."""
+class Tls:
+    """How to connect with TLS; the files are in PEM format."""
 
-    normal: tuple[float, ...]  # per coordinate; minus the gradient of the gap
-    offset: float
-    compliance: float = 0.0  # coupling / stiffness of the contact; 0: rigid
-    velocity: float = 0.0  # of the offset, per s; above 0 the object recedes
-    curvature: tuple[float, ...] = ()  # second derivative of the gap: lower triangle, row by row,
-    first_coordinate: int = 0  # of the coordinates from this one on
-    id: int = 0  # names the contact from sample to sample; 0: none
-    # An object that is pushed, as felt along the normal, all by the stiffness of the coupling: its
-    # mass, 0 if it is not pushed; damping and stiffness to ground; and the force on it at this
-    # sample but for the contact's and the damping's, above 0 if it pushes the object away.
-    mass: float = 0.0
-    damping: float = 0.0
-    ground_stiffness: float = 0.0
-    load: float = 0.0
-    uncertainty: float | None = None  # relative, of the stiffness; in all planes of a sample: the
-    # states say how far the force felt may be off, error_bound
-    # Contacts with the same object push the same body: a push at one moves the others too. 0: no
-    # other contact is on the body. An object needs a mass and a direction.
-    # object_direction: how the contact pushes the body, 1 to 6 numbers, a vector of length 1. Of a
-    # body that does not turn it is the outward normal n. Of a body that turns, with inertia M and
-    # Jacobian J of the contact's point, it is M^-1/2 J^T n divided by its length.
-    object: int = 0
-    object_direction: tuple[float, ...] = ()
+    ca_file: str = ""  # the authority that issued the server's certificate; empty: the system's
+    certificate_file: str = ""  # of this client, if the server asks for one
+    key_file: str = ""
+    server_name: str = ""  # that the server's certificate must have; empty: the host in the address
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Proxy:
     """Where the virtual object lets the tool be. Made by held(), behind(), or FREE."""
 
-    mode: wire.ProxyMode
+    mode: str  # "HELD", "FREE" or "PLANES"
     position: tuple[float, ...] = ()
     planes: tuple[Plane, ...] = ()
+    valid_for_s: float = 0.0  # it may count as fresh for so long; 0: as the scene says
 
 
-FREE = Proxy(wire.PROXY_MODE_FREE)
+FREE = Proxy("FREE")
 """Nothing in the way: no elastic force, no drag."""
 
 
-def held(position: Sequence[float]) -> Proxy:
+def held(position: Iterable[float]) -> Proxy:
     """The proxy stays here until the next sample; m or rad per virtual coordinate. A coordinate in
     which this is the x_probe of the state that was used follows the probe instead, as if free,
     unless the sample before held it at the same value. Force begins with a held proxy only after a
     FREE one: it does not say on which side of an object the probe is."""
-    return Proxy(wire.PROXY_MODE_HELD, tuple(map(float, position)))
+    return Proxy("HELD", floats(position))
 
 
-def behind(planes: Sequence[Plane | tuple[Sequence[float], float]],
-           position: Sequence[float]) -> Proxy:
+def behind(planes: Iterable[Plane | tuple[Iterable[float], float]],
+           position: Iterable[float]) -> Proxy:
     """The server keeps the probe out of `planes`, contact()s or (normal, offset) each: normal . x
     <= offset, linearised at `position`. They say which way is out, so force may begin inside. Of
     more than 32, and of more than 8 contacts of a block, the deepest are sent."""
-    return Proxy(wire.PROXY_MODE_PLANES, tuple(map(float, position)),
-                 tuple(plane if isinstance(plane, Plane) else
-                       Plane(tuple(map(float, plane[0])), float(plane[1])) for plane in planes))
-
-
-def contact(position: Sequence[float], gap: float, gradient: Sequence[float], *,
-            compliance: float = 0.0, velocity: float = 0.0, curvature: Sequence[float] = (),
-            first_coordinate: int = 0, id: int = 0, mass: float = 0.0, damping: float = 0.0,
-            ground_stiffness: float = 0.0, load: float = 0.0,
-            uncertainty: float | None = None, object: int = 0,
-            object_direction: Sequence[float] = ()) -> Plane:
-    """The contact with this gap (>= 0: not touched) and gradient of the gap at `position`, the
-    sample's; the other fields as in Plane."""
-    offset = gap - sum(g * x for g, x in zip(gradient, position, strict=True))
-    return Plane(tuple(-float(g) for g in gradient), float(offset), float(compliance),
-                 float(velocity), tuple(map(float, curvature)), first_coordinate, id,
-                 float(mass), float(damping), float(ground_stiffness), float(load),
-                 uncertainty, object, tuple(map(float, object_direction)))
+    return Proxy("PLANES", floats(position), tuple(
+        plane if isinstance(plane, Plane) else Plane(floats(plane[0]), float(plane[1]))
+        for plane in planes))
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Pose:
     """Where the tracked body is that carries a device, in the world: what a tracker publishes."""
 
-    position: tuple[float, float, float]  # m
-    orientation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)  # x, y, z, w; norm 1
+    position: tuple[float, ...]  # m
+    orientation: tuple[float, ...] = (0.0, 0.0, 0.0, 1.0)  # x, y, z, w; norm 1
     valid_for_s: float = 0.0  # 0: the scene's limit alone
 
 
@@ -107,31 +85,38 @@ class Pose:
 class Event:
     """Something that happened once."""
 
-    kind: str  # "STATE", "LOST", "FAULT", ...
+    kind: str  # "STATE", "LOST", "FAULT", ...; "DISCONNECTED": the stream was lost
     reason: str  # stable: "ENGAGED -> ARMED", ...
     message: str  # for people
-    state: str
-    lease_epoch: int
+    state: str  # of DISCONNECTED: "RECONNECTING", or "ENDED"
+    server_time_ns: int = 0
 
     @classmethod
-    def of(cls, m: wire.Event) -> Event:
-        return cls(name_of(wire.Event.Kind, m.kind), m.reason, m.message,
-                   name_of(wire.DeviceStateName, m.state), m.lease_epoch)
+    def of(cls, c: Any) -> Event:
+        state = name_of(DEVICE_STATE_NAME, c.state)
+        if c.kind in _DISCONNECTED:
+            state = "RECONNECTING" if c.state == 1 else "ENDED"
+        return cls(name_of(KIND | _DISCONNECTED, c.kind), text(c.reason), text(c.message), state,
+                   c.server_time_ns)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class SampleCounts:
-    """What became of the samples of a session; `replaced`: by newer ones before they were sent;
-    `planes_left_out`: of a sample, beyond the 32 deepest and the 8 deepest contacts of a block."""
+class Statistics:
+    """What became of the samples of a session, since it was first opened."""
 
     published: int
-    replaced: int
+    sent: int  # handed to a carrier; one that went by both counts twice
+    conflated: int  # replaced by a newer one before they could be sent
+    planes_left_out: int  # of a sample, beyond the 32 deepest and 8 contacts of a block
+    # As the server counts them.
     accepted: int
-    rejected_old: int
-    rejected_invalid: int
-    conflated_backlog: int
+    rejected_old: int  # came after a newer one, or without the lease
+    rejected_invalid: int  # for last_rejection, the newest reason
+    backlog: int  # accepted, but too fast to count as fresh
     last_rejection: str
-    planes_left_out: int = 0
+    udp_in_use: bool  # samples go by the UDP path
+    udp_received: int  # datagrams of the server
+    udp_lost: int
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -148,61 +133,71 @@ class DegreeOfFreedom:
 class Coordinate:
     name: str
     unit: str
-    kind: str
+    kind: str  # "linear", "angle" (wraps) or "quaternion" (four in a row)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Device:
+    """The limits are the most that update_settings() may set, per actuated DoF."""
+
     name: str
     kind: str
     model: str
+    serial: str  # of a board; empty: it has none
+    calibrated: str  # day on which the calibration in use was made; empty: none is
+    controller: str  # client_name of who has the lease; empty: none
+    tracker: str  # client_name of who publishes poses; empty: none
+    unguarded: tuple[str, ...]  # of direction_guard and energy_tank, what the scene leaves out
+    moves: bool  # False: a recording, which no force moves
+    wants_tracker: bool  # a session with tracker=True has to say where its palm is
+    measures_force: bool
+    state: str
+    renderer: str
+    faults: int
+    observers: int
+    loop_rate_hz: float
     dofs: tuple[DegreeOfFreedom, ...]
     coordinates: tuple[Coordinate, ...]
     stiffness_limit: tuple[float, ...]
     damping_limit: tuple[float, ...]
     force_limit: tuple[float, ...]
     slew_limit: tuple[float, ...]
-    loop_rate_hz: float
-    state: str
-    faults: int
-    controller: str  # empty: nobody
-    serial: str  # of a board; empty: it has none
-    calibrated: str  # day on which the calibration in use was made; empty: none is
-    wants_tracker: bool  # a session in the role tracker says where its palm is
-    tracker: str  # name of the client that does; empty: nobody
-    unguarded: tuple[str, ...]  # of direction_guard and energy_tank, what the scene leaves out
+    engage_window: tuple[float, ...]  # force begins only while the spring's would be less
 
     @classmethod
-    def of(cls, m: service.Device) -> Device:
-        dofs = (DegreeOfFreedom(d.name, d.unit, d.actuated, d.lower, d.upper, d.max_effort)
-                for d in m.dofs)
-        coordinates = (Coordinate(c.name, c.unit, c.kind) for c in m.coordinates)
-        return cls(m.name, m.kind, m.model, tuple(dofs), tuple(coordinates),
-                   tuple(m.stiffness_limit), tuple(m.damping_limit), tuple(m.force_limit),
-                   tuple(m.slew_limit), m.loop_rate_hz, name_of(wire.DeviceStateName, m.state),
-                   m.faults, m.controller, m.serial, m.calibrated, m.wants_tracker, m.tracker,
-                   tuple(m.unguarded))
+    def of(cls, c: Any) -> Device:
+        return read(cls, c, state=name_of(DEVICE_STATE_NAME, c.state),
+                    renderer=name_of(RENDERER, c.renderer),
+                    unguarded=tuple(text(c.unguarded).split()),
+                    dofs=tuple(read(DegreeOfFreedom, c.dofs[i]) for i in range(c.dof_count)),
+                    coordinates=tuple(read(Coordinate, c.coordinates[i])
+                                      for i in range(c.coordinate_count)))
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class ServerInfo:
     version: str
+    protocol: str
     scene: str
     realtime_grade: str
     realtime_explanation: str
-    insecure: tuple[str, ...]
+    insecure: tuple[str, ...]  # what is not protected; empty: nothing
     ticks: int
     skipped_ticks: int
-    lateness_p50_s: float
-    lateness_p99_s: float
+    records_dropped: int
+    lateness_p50_us: float  # of ticks, over the last 10 s
+    lateness_p99_us: float
+    lateness_max_us: float
+    tick_p50_us: float  # how long a tick took
+    tick_p99_us: float
     paced_by: str  # the device whose samples begin ticks; empty: the timer
     paced_by_sample: int
+    uptime_ns: int
+    sessions: int
 
     @classmethod
-    def of(cls, m: service.GetServerInfoResponse) -> ServerInfo:
-        return cls(m.version, m.scene, m.realtime.grade, m.realtime.explanation, tuple(m.insecure),
-                   m.loop.ticks, m.loop.skipped, m.loop.lateness_p50_us * 1e-6,
-                   m.loop.lateness_p99_us * 1e-6, m.loop.paced_by, m.loop.paced_by_sample)
+    def of(cls, c: Any) -> ServerInfo:
+        return read(cls, c, insecure=tuple(text(c.insecure).splitlines()))
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -213,10 +208,25 @@ class Settings:
     damping: tuple[float, ...]
     force_limit: tuple[float, ...]
     slew_limit: tuple[float, ...]
+    renderer: str
+    direction_guard: bool
     clamped: tuple[str, ...]
 
     @classmethod
-    def of(cls, m: service.UpdateSettingsResponse) -> Settings:
-        clamped = (f"{c.field} = {c.asked:g}: {c.applied:g} applied, {c.why}" for c in m.clamped)
-        return cls(tuple(m.stiffness), tuple(m.damping), tuple(m.force_limit),
-                   tuple(m.slew_limit), tuple(clamped))
+    def of(cls, c: Any) -> Settings:
+        return read(cls, c, renderer=name_of(RENDERER, c.renderer),
+                    direction_guard=c.direction_guard == 1,
+                    clamped=tuple(text(c.why_clamped).splitlines()))
+
+
+def read(cls: type[T], c: Any, **given: Any) -> T:
+    """A value whose fields have the names of the struct's; those that differ are `given`."""
+    fields = {field.name: field.type for field in dataclasses.fields(cls)}
+    return cls(**given, **{name: _value(getattr(c, name), str(kind))
+                           for name, kind in fields.items() if name not in given})
+
+
+def _value(value: Any, kind: str) -> Any:
+    if not isinstance(value, ffi.CData):
+        return value != 0 if kind == "bool" else value
+    return text(value) if kind == "str" else lists(value.value, value.count)

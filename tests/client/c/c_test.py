@@ -57,8 +57,8 @@ class Header(unittest.TestCase):
             "haptic_connect_options": 56, "haptic_contact": 1312, "haptic_device": 10408,
             "haptic_error": 592, "haptic_event": 352, "haptic_plane": 1016, "haptic_point": 1104,
             "haptic_pose": 72, "haptic_proxy": 56, "haptic_server_info": 1888,
-            "haptic_session_options": 112, "haptic_settings": 1336, "haptic_state": 3656,
-            "haptic_statistics": 376})
+            "haptic_session_options": 112, "haptic_settings": 1336, "haptic_solution": 608,
+            "haptic_solve_options": 40, "haptic_state": 3656, "haptic_statistics": 376})
 
 
 class Symbols(unittest.TestCase):

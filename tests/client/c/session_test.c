@@ -189,6 +189,45 @@ static void test_contacts(void) {
   CHECK(fabs(haptic_contact_horizon(0, 0, 0.0) - 0.1) < 1e-12);
 }
 
+/* A spring of 300 N/m that begins at x[0] = 0.1, as `user` contacts of the same. */
+static int64_t springs(const double* x, size_t count, haptic_contact* contacts, size_t capacity,
+                       void* user) {
+  const int64_t wanted = *(const int64_t*)user;
+  CHECK(count == 3);
+  for (int64_t i = 0; i < wanted && i < (int64_t)capacity; ++i) {
+    CHECK(haptic_point_itself(x, count, 0, &contacts[i].point, NULL) == HAPTIC_OK);
+    contacts[i].normal[0] = -1.0;
+    contacts[i].gap = 0.1 - x[0];
+    contacts[i].stiffness = 300.0 / (double)wanted;
+    contacts[i].id = (uint32_t)(i + 1);
+  }
+  return wanted;
+}
+
+static void test_solve(void) {
+  const double probe[3] = {0.5, 0.2, 0.0}, start[3] = {0.0, 0.2, 0.0};
+  const haptic_solve_options options = {.size = sizeof options, .start = start};
+  haptic_solution found = {.size = sizeof found};
+  haptic_plane planes[2] = {{.size = sizeof planes[0]}};
+  int64_t many = 1;
+  for (int turn = 0; turn < 2; ++turn, many = 40) {
+    CHECK(haptic_solve(springs, &many, probe, 3, 100.0, &options, &found, planes, 2, &error) ==
+          HAPTIC_OK);
+    /* 100 (x - 0.5) + 300 (x - 0.1) = 0 */
+    CHECK(found.converged == 1 && found.x.count == 3 && fabs(found.x.value[0] - 0.2) < 1e-9);
+    CHECK(found.x.value[1] == 0.2 && found.plane_count == (size_t)many);
+    CHECK(planes[0].id == 1 && fabs(planes[0].offset - 0.1) < 1e-12);
+  }
+  many = -5;
+  REFUSED(haptic_solve(springs, &many, probe, 3, 100.0, NULL, &found, NULL, 0, &error), "gave up");
+  many = 1025;
+  REFUSED(haptic_solve(springs, &many, probe, 3, 100.0, NULL, &found, NULL, 0, &error),
+          "returned 1025");
+  REFUSED(haptic_solve(NULL, NULL, probe, 3, 1.0, NULL, &found, NULL, 0, &error),
+          "contacts is NULL");
+  REFUSED(haptic_solve(springs, &many, probe, 3, 0.0, NULL, &found, NULL, 0, &error), "coupling");
+}
+
 static void test_wrong_contacts(void) {
   const double x[2] = {0.1, 0.2}, lengths[1] = {0.045};
   haptic_point point = {.size = sizeof point};
@@ -377,6 +416,7 @@ int main(int argc, char** argv) {
   test_refusals_of_the_server(connection, session);
   test_server(connection);
   test_contacts();
+  test_solve();
   test_wrong_contacts();
   test_child(connection, session, argv[1]);
   test_force(session);

@@ -39,10 +39,15 @@ def reasons_until(session: haptic.Session, last: str) -> list[str]:
 
 class Hapticd:
     def __init__(self, scene: str, *, udp: bool = False, lease_s: int = 2, patient: bool = True,
-                 settings: Sequence[str] = ()) -> None:
-        """`patient`: force survives a pause of a second of its client."""
+                 tcp: bool = False, settings: Sequence[str] = ()) -> None:
+        """`patient`: force survives a pause of a second of its client. `tcp`: not on a socket of
+        UNIX."""
         self._folder = tempfile.TemporaryDirectory()
         self.address = "unix:" + os.path.join(self._folder.name, "socket")
+        if tcp:
+            with socket.socket() as free:
+                free.bind(("127.0.0.1", 0))
+                self.address = f"127.0.0.1:{free.getsockname()[1]}"
         arguments = [os.environ["HAPTICD"], "--scene",
                      os.path.join(os.environ["HAPTIC_SCENES"], scene + ".textproto"),
                      "--realtime=off", "--log-level=warn", "--listen", self.address,
@@ -66,8 +71,16 @@ class Hapticd:
 
     def _listens(self) -> bool:
         """The socket's file is there a moment before connections are taken."""
-        with socket.socket(socket.AF_UNIX) as probe:
-            return probe.connect_ex(self.address.removeprefix("unix:")) == 0
+        if self.address.startswith("unix:"):
+            family, place = socket.AF_UNIX, self.address.removeprefix("unix:")
+        else:
+            family, place = socket.AF_INET, ("127.0.0.1", int(self.address.rpartition(":")[2]))
+        with socket.socket(family) as probe:
+            return probe.connect_ex(place) == 0
+
+    @property
+    def pid(self) -> int:
+        return self._process.pid
 
     def stop(self) -> None:
         self._process.kill()

@@ -11,14 +11,30 @@ import tempfile
 import unittest
 
 import haptic
-from haptic.v1 import field_options_pb2 as options
-from haptic.v1 import session_pb2 as wire
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+from haptic._library import new
 from hapticd_process import Hapticd, eventually
 
-STATE = wire.DeviceState.DESCRIPTOR
+FILES = descriptor_pb2.FileDescriptorSet.FromString(
+    pathlib.Path(os.environ["HAPTIC_DESCRIPTORS"]).read_bytes())
+POOL = descriptor_pool.DescriptorPool()
+for file in FILES.file:
+    POOL.Add(file)
+STATE = POOL.FindMessageTypeByName("haptic.v1.DeviceState")
+OPTIONS = message_factory.MessageFactory(POOL).GetPrototype(
+    POOL.FindMessageTypeByName("google.protobuf.FieldOptions"))
 DOFS, COORDINATES = ["l_x", "q_B"], ["q_o1_mcp", "q_o2_pip"]  # of finger_constant
-LABELS = {0: [], options.AXIS_DOF: DOFS, options.AXIS_ACTUATED: DOFS[:1],
-          options.AXIS_COORDINATE: COORDINATES}
+LABELS = {0: [], 1: DOFS, 2: DOFS[:1], 3: COORDINATES}  # by AXIS_DOF, _ACTUATED, _COORDINATE
+
+
+def option(field, name):
+    options = OPTIONS.FromString(field.GetOptions().SerializeToString())
+    return options.Extensions[POOL.FindExtensionByName("haptic.v1." + name)]
+
+
+def called(field):
+    """Its name in the client libraries."""
+    return option(field, "called") or field.name
 
 
 def messages(message=STATE):
@@ -35,24 +51,37 @@ def leaves(message=STATE, prefix=""):
         if field.message_type and field.label != field.LABEL_REPEATED:
             yield from leaves(field.message_type, field.name + "_")
         else:
-            yield prefix + field.name, field.GetOptions().Extensions[options.axis]
+            yield prefix + field.name, option(field, "axis")
 
 
 class Types(unittest.TestCase):
     def test_python_has_every_field(self) -> None:
         for message in messages():
             made = getattr(haptic, message.name).__dataclass_fields__
-            names = [field.name for field in message.fields]
+            names = [called(field) for field in message.fields]
             names = [name[:-2] + "s" if name.endswith("_us") else name for name in names]
             self.assertEqual(list(made), names, message.name)
 
     def test_values_are_named_without_prefix(self) -> None:
-        state = haptic.DeviceState.of(wire.DeviceState(
-            state=wire.DEVICE_STATE_NAME_ENGAGED, proxy_age_us=2500, q=[0.5], staleness=77,
-            tracker=wire.TrackerState(seq_used=3)))
+        c = new("haptic_state")
+        c.state, c.proxy_age_us, c.staleness = 5, 2500, 77
+        c.q.count, c.q.value[0] = 1, 0.5
+        c.tracker.present, c.tracker.seq_used = 1, 3
+        state = haptic.DeviceState.of(c)
         self.assertEqual((state.state, state.mode, state.staleness), ("ENGAGED", "NONE", "77"))
         self.assertEqual((state.proxy_age_s, state.q, state.tracker.seq_used), (0.0025, (0.5,), 3))
         self.assertIsNone(state.passivity)
+
+    def test_a_plane_goes_to_c_and_back(self) -> None:
+        plane, values = POOL.FindMessageTypeByName("haptic.v1.Plane"), {}
+        for field in plane.fields:
+            repeated = field.label == field.LABEL_REPEATED
+            whole = field.cpp_type == field.CPPTYPE_UINT32
+            value = field.number if whole else field.number + 0.5
+            values[field.name] = (value, value + 1.0) if repeated else value
+        told, c = haptic.Plane(**values), new("haptic_plane")
+        told.fill(c)
+        self.assertEqual(haptic.Plane.of(c, 2), told)
 
 
 class Programs(unittest.TestCase):
@@ -98,8 +127,8 @@ class Programs(unittest.TestCase):
         with haptic.Connection(self.server.address) as connection:
             state = next(s for s in connection.watch() if isinstance(s, haptic.DeviceState))
         for field in STATE.fields:
-            if field.label != field.LABEL_REPEATED or getattr(state, field.name, ()):
-                if not field.message_type or getattr(state, field.name):
+            if field.label != field.LABEL_REPEATED or getattr(state, called(field), ()):
+                if not field.message_type or getattr(state, called(field)):
                     self.assertIn(field.name, table)
         for name in DOFS + COORDINATES:
             self.assertIn(name, table)

@@ -2,13 +2,12 @@
 
 import os
 import signal
-import socket
 import subprocess
 import sys
-import threading
+import tempfile
 import time
 import unittest
-from unittest import mock
+from collections.abc import Callable
 
 import haptic
 from hapticd_process import Hapticd, OneServer, eventually, reasons_until
@@ -38,7 +37,7 @@ class Force(OneServer):
         session.engage_when_ready()
         state = self.hold(session, lambda s: s.state == "ENGAGED")
         self.assertEqual(state.gain, 1.0)
-        self.assertEqual(state.transport, "GRPC")
+        self.assertEqual(state.carrier, "GRPC")
         session.release()
         self.hold(session, lambda s: s.state == "ARMED" and s.gain == 0.0)
         self.assertIn("ENGAGING -> ENGAGED", reasons_until(session, "RELEASING -> ARMED"))
@@ -50,38 +49,29 @@ class Force(OneServer):
         self.hold(session, lambda s: s.proxy_seq_used > 50,
                   lambda: self.assertIn(session.state.state if session.state else "ARMED",
                                         {"IDLE", "ARMED"}))
-        asked, asks = [], threading.Event()
-
-        def engage() -> None:
-            asks.set()
-            time.sleep(0.2)
-            asked.append(session)
-
-        with mock.patch.object(session, "engage", engage):
-            session.engage_when_ready()
-            self.assertTrue(asks.wait(20))
-            session.release()
-        self.assertEqual(asked, [session])  # the Release went after the Engage
 
     def test_a_fault_ends_the_asking_even_if_it_is_cleared(self) -> None:
         session = self.open()
-        asks, answer = threading.Event(), threading.Event()
-
-        def engage() -> None:
-            asks.set()
-            answer.wait(20)
-            raise haptic.ClientError("NOT_ARMED", "as it was before the fault was cleared")
-
-        with mock.patch.object(session, "engage", engage):
-            session.engage_when_ready()
-            self.assertTrue(asks.wait(20))
-            self.connection.emergency_stop()
-            self.connection.clear_fault()
-            reasons_until(session, "FAULT -> IDLE")
-            self.assertTrue(eventually(lambda: session.state and session.state.state == "ARMED"))
-            answer.set()
+        session.engage_when_ready()  # there are no samples yet, so it waits
+        self.connection.emergency_stop()
+        self.connection.clear_fault()
+        reasons_until(session, "FAULT -> IDLE")
+        self.assertTrue(eventually(lambda: session.state and session.state.state == "ARMED"))
         self.hold(session, lambda s: s.proxy_seq_used > 50,
                   lambda: self.assertEqual(session.state.gain, 0.0))
+        refusal = session.engage_refusal
+        assert refusal is not None
+        self.assertIn("EMERGENCY_STOP", refusal.message)
+
+    def test_what_it_waits_for_is_said(self) -> None:
+        session = self.open()
+        self.assertIsNone(session.engage_refusal)
+        session.engage_when_ready()
+        self.assertTrue(eventually(lambda: session.engage_refusal is not None))
+        self.assertIn(session.engage_refusal.reason,
+                      {"NOT_ARMED", "STREAM_STALE", "TOO_FEW_SAMPLES", "STREAM_TOO_YOUNG"})
+        self.hold(session, lambda s: s.state == "ENGAGED")
+        self.assertIsNone(session.engage_refusal)
 
     def test_silence_ends_it_with_an_event(self) -> None:
         session = self.open()
@@ -111,17 +101,22 @@ class Force(OneServer):
 
     def test_a_wrong_sample_is_named(self) -> None:
         session = self.open()
-        session.publish(haptic.held([0.1, 0.2, 0.3]))
-        self.assertTrue(eventually(lambda: session.samples().rejected_invalid == 1))
-        self.assertIn("position", session.samples().last_rejection)
+        with self.assertRaisesRegex(haptic.ClientError, "count = 3, must be 2"):
+            session.publish(haptic.held([0.1, 0.2, 0.3]))
+        with self.assertRaisesRegex(ValueError, r"planes\[1\].normal: has 1 values, must have 2"):
+            session.publish(haptic.behind([((1.0, 0.0), 0.3), ((1.0,), 0.3)], (0.0, 0.0)))
+        # What only the server can judge it counts, and names.
+        session.publish(haptic.behind([((0.0, 0.0), 0.3)], (0.0, 0.0)))
+        self.assertTrue(eventually(lambda: session.statistics().rejected_invalid == 1))
+        self.assertIn("planes[0].normal", session.statistics().last_rejection)
 
     def test_the_deepest_planes_are_sent(self) -> None:
         session = self.open()
         x_probe = session.wait_for_state().x_probe
         planes = [((1.0, 0.0), x_probe[0] + (0.1 if i < 8 else -0.1)) for i in range(40)]
         session.publish(haptic.behind(planes, x_probe))
-        self.assertTrue(eventually(lambda: session.samples().accepted == 1))
-        self.assertEqual(session.samples().planes_left_out, 8)
+        self.assertTrue(eventually(lambda: session.statistics().accepted == 1))
+        self.assertEqual(session.statistics().planes_left_out, 8)
         self.assertTrue(eventually(lambda: session.wait_for_state().active_planes & 1 == 1))
 
     def test_the_round_trip_is_measured(self) -> None:
@@ -144,7 +139,7 @@ class Force(OneServer):
             [haptic.contact(x_probe, -0.1, (-1.0, 0.0), id=1, mass=1e-4, damping=1e-3,
                             ground_stiffness=0.2, load=0.0, **law)], x_probe))
         self.assertTrue(eventually(lambda: session.wait_for_state().active_planes == 0))
-        self.assertEqual(session.samples().rejected_invalid, 0)
+        self.assertEqual(session.statistics().rejected_invalid, 0)
 
     def test_the_error_is_bounded(self) -> None:
         session = self.open()
@@ -158,10 +153,14 @@ class Force(OneServer):
 
     def test_settings_are_clamped_with_a_reason(self) -> None:
         session = self.open()
-        applied = session.update_settings(stiffness=[1e6])
+        applied = session.update_settings(stiffness=[1e6], renderer="SUBSPACE_EXACT")
         self.assertEqual(applied.stiffness, (1500.0,))
+        self.assertEqual(applied.renderer, "SUBSPACE_EXACT")
         self.assertEqual(len(applied.clamped), 1)
         self.assertIn("stiffness[0]", applied.clamped[0])
+        self.assertTrue(session.update_settings(direction_guard=True).direction_guard)
+        with self.assertRaisesRegex(ValueError, "'EXACT', must be one of .*SUBSPACE_EXACT"):
+            session.update_settings(renderer="EXACT")
 
     def test_an_emergency_stop_needs_no_session(self) -> None:
         self.assertEqual(self.connection.emergency_stop(), ["finger"])
@@ -175,15 +174,26 @@ class Session(OneServer):
         with self.connection.session(client_name="second", nominal_rate_hz=60):
             self.assertEqual(self.connection.devices()[0].controller, "second")
 
-    def test_a_sample_names_the_given_state(self) -> None:
-        session = self.open()
+    def test_a_higher_priority_takes_the_device(self) -> None:
+        low = self.open(priority=haptic.Priority.TEST)
+        self.open(client_name="operator", priority=haptic.Priority.OPERATOR)
+        self.assertIn("LEASE_PREEMPTED", reasons_until(low, "LEASE_PREEMPTED"))
+
+    def test_a_held_proxy_is_sent_as_contacts(self) -> None:
+        session = self.open(derive_planes=True, blocks=[(0, 2)])
+        session.engage_when_ready()
+        self.hold(session, lambda s: s.gain > 0)
+        beyond = self.hold_beyond(session, lambda s: s.mode == "PLANES")
+        self.assertEqual(beyond.active_planes, 1)
+
+    def hold_beyond(self, session: haptic.Session,
+                    until: Callable[[haptic.DeviceState], bool]) -> haptic.DeviceState:
         state = session.wait_for_state()
-        newer = session._state
-        while newer is None or newer.seq == state.seq:
-            time.sleep(0.01)
-            newer = session._state
-        session.publish(haptic.FREE)
-        self.assertEqual(session._newest.device_seq_used, state.seq)
+        latest = time.monotonic() + 20
+        while not until(state) and time.monotonic() < latest:
+            session.publish(haptic.held((state.x_probe[0] - 0.01, state.x_probe[1])))
+            state = session.wait_for_state()
+        return state
 
     def test_an_observer_may_not_engage(self) -> None:
         session = self.open(observer=True)
@@ -195,16 +205,92 @@ class Session(OneServer):
     def test_calls_after_the_end_raise(self) -> None:
         session = self.open()
         session.close()
-        with self.assertRaises(haptic.ClientError):
-            session.publish(haptic.FREE)
+        session.close()  # idempotent
+        for call in (lambda: session.publish(haptic.FREE), session.wait_for_state, session.events,
+                     session.engage, lambda: session.state):
+            with self.assertRaises(haptic.ClientError) as refused:
+                call()
+            self.assertEqual(refused.exception.reason, "CLOSED")
 
     def test_a_server_that_dies_is_told(self) -> None:
         session = self.open()
         session.wait_for_state()
         self.server.stop()
-        with self.assertRaises(haptic.ClientError):
+        with self.assertRaisesRegex(haptic.ClientError, "the session ended: "):
             for _ in range(10000):
                 session.wait_for_state()
+        event = session.events()[-1]
+        self.assertEqual((event.kind, event.state), ("DISCONNECTED", "ENDED"))
+        with self.assertRaisesRegex(haptic.ClientError, "the session ended: "):
+            session.publish(haptic.FREE)
+
+
+class Reconnecting(OneServer):
+    def test_a_new_front_is_found_and_force_goes_on(self) -> None:
+        session = self.open(reconnect=True, re_engage=True)
+        session.engage_when_ready()
+        epoch = self.hold(session, lambda s: s.state == "ENGAGED").lease_epoch
+        subprocess.run([os.environ["HAPTICCTL"], "--server", self.server.address, "restart-front"],
+                       check=True, timeout=60)
+        seen: list[haptic.Event] = []
+        self.hold(session, lambda s: any(e.reason in ("LEASE_RESUMED", "LEASE_GRANTED")
+                                         for e in seen if e.kind == "LEASE" and lost(seen)),
+                  lambda: seen.extend(session.events()))
+        self.assertIn("RECONNECTING", [e.state for e in seen])
+        state = self.hold(session, lambda s: s.state == "ENGAGED")
+        self.assertGreater(state.lease_epoch, epoch)
+        self.assertTrue(session.connected)
+
+
+def lost(events: list[haptic.Event]) -> bool:
+    return any(e.kind == "DISCONNECTED" for e in events)
+
+
+class OverTls(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.key, self.certificate = (os.path.join(folder.name, name) for name in ("key", "cert"))
+        subprocess.run(
+            ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256",
+             "-nodes", "-keyout", self.key, "-out", self.certificate, "-subj", "/CN=hapticd",
+             "-addext", "subjectAltName=IP:127.0.0.1", "-days", "1"],
+            check=True, capture_output=True, timeout=60)
+        self.server = Hapticd("finger_constant", tcp=True, settings=(
+            f'server.tls={{certificate: "{self.certificate}" key: "{self.key}"}}',))
+        self.addCleanup(self.server.stop)
+
+    def test_a_session_works(self) -> None:
+        tls = haptic.Tls(ca_file=self.certificate)
+        with haptic.Connection(self.server.address, tls=tls) as connection:
+            with connection.session(client_name="secret", nominal_rate_hz=60) as session:
+                self.assertGreater(session.wait_for_state().seq, 0)
+
+    def test_another_authority_is_not_believed(self) -> None:
+        with haptic.Connection(self.server.address, tls=haptic.Tls()) as connection:
+            with self.assertRaises(haptic.ClientError) as refused:
+                connection.devices()
+        self.assertEqual(refused.exception.reason, "UNREACHABLE")
+
+    def test_a_missing_file_is_named(self) -> None:
+        with self.assertRaisesRegex(haptic.ClientError, "no/such.pem"):
+            haptic.Connection(self.server.address, tls=haptic.Tls(ca_file="no/such.pem"))
+
+    def test_the_readmes_client_works(self) -> None:
+        code = readme_code(2)
+        for told, here in (("robot:29470", self.server.address), ("issuer.pem", self.certificate)):
+            self.assertIn(told, code)
+            code = code.replace(told, here)
+        run = subprocess.run([sys.executable, "-c", code + "print(state.state)"],
+                             capture_output=True, text=True, timeout=60)
+        self.assertEqual((run.returncode, run.stdout), (0, "ENGAGED\n"), run.stderr)
+
+    def test_the_example_holds_the_wall(self) -> None:
+        output = subprocess.run(
+            [sys.executable, os.path.join(EXAMPLES, "wall.py"), "--server", self.server.address,
+             "--ca", self.certificate, "--seconds", "4"],
+            check=True, capture_output=True, text=True, timeout=60).stdout
+        self.assertIn("ENGAGED", output)
 
 
 class Udp(OneServer):
@@ -213,54 +299,15 @@ class Udp(OneServer):
     def test_samples_go_by_udp(self) -> None:
         session = self.open()
         session.engage_when_ready()
-        state = self.hold(session, lambda s: s.state == "ENGAGED" and s.transport == "UDP")
-        self.assertTrue(session.udp_in_use)
+        state = self.hold(session, lambda s: s.state == "ENGAGED" and s.carrier == "UDP")
+        self.assertTrue(session.statistics().udp_in_use)
         self.assertEqual(state.gain, 1.0)
         reasons_until(session, "SAMPLES GRPC -> UDP")
-
-    def test_a_silent_path_loses_no_force(self) -> None:
-        session = self.open()
-        session.engage_when_ready()
-        before = self.hold(session, lambda s: s.state == "ENGAGED" and s.transport == "UDP")
-        session._udp._socket.connect(("127.0.0.1", 9))  # where nobody answers
-        state = self.hold(session, lambda s: s.transport == "GRPC")
-        # In samples, 10 ms each, which wait for a machine that pauses: force is lost after 180 ms.
-        self.assertLess(state.proxy_seq_used - before.proxy_seq_used, 18)
-        self.assertEqual(state.state, "ENGAGED")
-
-    def test_without_a_route_the_stream_carries(self) -> None:
-        with mock.patch("haptic._udp.connect", side_effect=OSError("no route")):
-            session = self.open()
-        self.hold(session, lambda s: s.proxy_seq_used > 50 and s.transport == "GRPC")
-        self.assertFalse(session.udp_in_use)
-
-    def test_the_next_address_is_tried(self) -> None:
-        system = socket.getaddrinfo
-
-        def both(host: str, port: int, **rest: int) -> list[tuple]:
-            return system("127.0.0.3", port, **rest) + system("127.0.0.1", port, **rest)
-
-        with mock.patch("haptic._udp.socket.getaddrinfo", both):
-            session = self.open()
-            self.hold(session, lambda s: s.transport == "UDP")
-        self.assertTrue(session.udp_in_use)
 
     def test_it_can_be_left_out(self) -> None:
         session = self.open(carriers=haptic.Carriers.STREAM)
         self.hold(session, lambda s: s.proxy_seq_used > 50)
-        self.assertFalse(session.udp_in_use)
-
-
-class UdpThatFails(OneServer):
-    udp = True
-    lease_s = 60  # a session that is not closed keeps the device that long
-
-    def test_an_error_gives_the_lease_back(self) -> None:
-        with mock.patch("haptic._udp.UdpCarrier", side_effect=ValueError("not a key")):
-            with self.assertRaises(ValueError):
-                self.connection.session(client_name="unlucky", nominal_rate_hz=60)
-        self.assertTrue(eventually(lambda: self.connection.devices()[0].controller == ""))
-        self.open().wait_for_state()
+        self.assertFalse(session.statistics().udp_in_use)
 
 
 class Examples(unittest.TestCase):
@@ -313,11 +360,15 @@ class Examples(unittest.TestCase):
         self.assertGreater(peak, 0.5)
 
 
+def readme_code(number: int) -> str:
+    readme = os.path.join(os.environ["HAPTIC_SCENES"], "../../client/README.md")
+    with open(readme, encoding="utf-8") as page:
+        return page.read().split("```python\n")[number].split("```")[0]
+
+
 class Readme(unittest.TestCase):
     def test_its_first_client_works(self) -> None:
-        readme = os.path.join(os.environ["HAPTIC_SCENES"], "../../client/README.md")
-        with open(readme, encoding="utf-8") as page:
-            code = page.read().split("```python\n")[1].split("```")[0]
+        code = readme_code(1)
         self.assertIn('"127.0.0.1:29470"', code)
         self.assertLessEqual(len(code.splitlines()), 20)
         server = Hapticd("finger_constant")

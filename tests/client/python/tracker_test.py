@@ -49,11 +49,11 @@ class Poses(OnATrackedPalm):
         assert before is not None
         self.assertEqual((before.seq_used, before.staleness), (0, "LOST"))
         tracker = self.open(tracker=True, client_name="camera")
-        self.assertFalse(tracker.udp_in_use)
+        self.assertFalse(tracker.statistics().udp_in_use)
         state = self.while_told(session, tracker, lambda s: s.tracker.staleness == "FRESH")
         for q, wanted in zip(state.q, PALM):
             self.assertAlmostEqual(q, wanted, places=9)
-        self.assertLessEqual(state.tracker.seq_used, tracker.samples().published)
+        self.assertLessEqual(state.tracker.seq_used, tracker.statistics().published)
         self.assertLess(state.tracker.age_s, 0.1)
 
     def test_the_example_plays_a_recording(self) -> None:
@@ -103,8 +103,8 @@ class Poses(OnATrackedPalm):
     def test_an_impossible_pose_is_counted(self) -> None:
         tracker = self.open(tracker=True, client_name="camera")
         tracker.publish_pose(haptic.Pose((5.0, 0.0, 0.0)))
-        self.assertTrue(eventually(lambda: tracker.samples().rejected_invalid > 0))
-        self.assertIn("position", tracker.samples().last_rejection)
+        self.assertTrue(eventually(lambda: tracker.statistics().rejected_invalid > 0))
+        self.assertIn("position", tracker.statistics().last_rejection)
 
 
 class Role(OnATrackedPalm):
@@ -123,10 +123,10 @@ class Role(OnATrackedPalm):
         self.assertEqual(refused.exception.reason, "NOT_CONTROLLER")
         with self.assertRaises(haptic.ClientError) as refused:
             tracker.publish(haptic.FREE)
-        self.assertIn("publish_pose", str(refused.exception))
+        self.assertIn("publishes poses", str(refused.exception))
         with self.assertRaises(haptic.ClientError) as refused:
             self.open(client_name="simulation").publish_pose(POSE)
-        self.assertIn("tracker=True", str(refused.exception))
+        self.assertIn("`tracker`", str(refused.exception))
 
     def test_it_is_not_an_observer_too(self) -> None:
         with self.assertRaises(haptic.ClientError) as refused:

@@ -37,8 +37,7 @@ class Wheel(unittest.TestCase):
         built = {os.path.relpath(os.path.join(folder, name), PROJECT)
                  for folder, _, files in os.walk(os.path.join(PROJECT, "haptic")) for name in files
                  if "__pycache__" not in folder}
-        self.assertTrue({"haptic/py.typed", "haptic/v1/session_pb2.py", "haptic/_details.bin",
-                         "haptic/v1/haptic_service_pb2_grpc.py"} <= built)
+        self.assertTrue({"haptic/py.typed", "haptic/_libhaptic.py", "haptic/_messages.py"} <= built)
         self.assertEqual({name for name in names if ".dist-info/" not in name}, built)
         self.assertTrue(any(name.endswith(".dist-info/LICENSE") for name in names))
 

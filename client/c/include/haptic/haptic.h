@@ -17,7 +17,7 @@
  *   it. NULL, and a handle that was closed, give HAPTIC_ERROR_CLOSED; a number is not used twice.
  * - Every function may be called from any thread, at the same time as others on the same handle.
  *   One that waits says so, and for what; the others return at once. The library calls nothing of
- *   yours.
+ *   yours, but for what haptic_solve() gets, on the thread that calls it.
  * - After fork() only the parent may use its handles. In the child every function that takes a
  *   handle, and haptic_connect(), gives HAPTIC_ERROR_CLOSED; nothing is sent and nothing ends.
  * - Connections and sessions may be closed in any order. exit() without closing is allowed: it ends
@@ -177,6 +177,16 @@ HAPTIC_API int haptic_derive_planes(const haptic_coordinate* coordinates, const 
                                     const double* x_probe, size_t count, const haptic_block* blocks,
                                     size_t block_count, double least, haptic_plane* planes,
                                     size_t capacity, size_t* plane_count, haptic_error* error);
+
+/* The proxy of a simulation that has contacts and no solver of its own: the x near options->start
+ * that minimises coupling / 2 |x - x_probe|^2 + stiffness / 2 sum of gap^2 over what is touched,
+ * with gap >= 0 where a contact is rigid. It asks `contacts` for the contacts at one x after
+ * another, 5 to 20 times as a rule, at most 1024 each time. planes: what to publish with x, of
+ * which it fills up to `capacity`; planes[0].size must be set. options: NULL for the default. */
+HAPTIC_API int haptic_solve(haptic_contacts_at contacts, void* user, const double* x_probe,
+                            size_t count, double coupling, const haptic_solve_options* options,
+                            haptic_solution* solution, haptic_plane* planes, size_t capacity,
+                            haptic_error* error);
 
 #ifdef __cplusplus
 }

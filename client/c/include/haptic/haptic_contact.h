@@ -80,4 +80,27 @@ typedef struct haptic_contact {
   double object_direction[6];
 } haptic_contact;
 
+/* Your objects: writes up to `capacity` contacts of the tool at x, touched or near, and returns how
+ * many there are; a negative number gives up. Each comes with both its sizes set, and the rest 0.
+ */
+typedef int64_t (*haptic_contacts_at)(const double* x, size_t count, haptic_contact* contacts,
+                                      size_t capacity, void* user);
+
+/* In options 0 and NULL select the default, which is said. */
+typedef struct haptic_solve_options {
+  size_t size;
+  const double* start;   /* where to begin: the last proxy; default: the probe */
+  const double* weights; /* of each coordinate's distance, > 0; default: 1 */
+  int32_t iterations;    /* of Newton's method, at most; default 50 */
+  double tolerance;      /* of each coordinate, in its unit; default 1e-10 */
+} haptic_solve_options;
+
+typedef struct haptic_solution {
+  size_t size;
+  int32_t converged; /* 0: x is the best that was found, and may be published */
+  int32_t iterations;
+  haptic_coordinates x; /* the proxy */
+  size_t plane_count;   /* of all contacts at x */
+} haptic_solution;
+
 #endif

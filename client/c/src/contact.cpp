@@ -43,7 +43,7 @@ void write_curvature(const client::Curvature3& made, double* curvature) {
   std::copy(made.begin(), made.end(), given(curvature, "curvature"));
 }
 
-/// What the caller's function says, as ContactsAt.
+/// The caller's function as a ContactsAt.
 client::ContactsAt asking(haptic_contacts_at contacts, void* user) {
   return [=](const std::vector<double>& x) {
     haptic_contact empty{};

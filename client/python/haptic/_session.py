@@ -40,7 +40,7 @@ class Session:
         """Ends the session: force fades out and the lease ends. Idempotent."""
         self._handle.close()
 
-    # What goes up.
+    # The way up.
 
     def publish(self, proxy: Proxy) -> None:
         """Sends where the proxy is, computed from the last state that wait_for_state() or `state`
@@ -107,7 +107,7 @@ class Session:
         ask(lib.haptic_update, self._handle.c, wanted, applied)
         return Settings.of(applied)
 
-    # What comes down.
+    # The way down.
 
     @property
     def device(self) -> Device:

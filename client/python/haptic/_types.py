@@ -108,7 +108,7 @@ class Statistics:
     sent: int  # handed to a carrier; one that went by both counts twice
     conflated: int  # replaced by a newer one before they could be sent
     planes_left_out: int  # of a sample, beyond the 32 deepest and 8 contacts of a block
-    # As the server counts them.
+    # Counts of the server.
     accepted: int
     rejected_old: int  # came after a newer one, or without the lease
     rejected_invalid: int  # for last_rejection, the newest reason

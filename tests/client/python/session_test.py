@@ -105,7 +105,7 @@ class Force(OneServer):
             session.publish(haptic.held([0.1, 0.2, 0.3]))
         with self.assertRaisesRegex(ValueError, r"planes\[1\].normal: has 1 values, must have 2"):
             session.publish(haptic.behind([((1.0, 0.0), 0.3), ((1.0,), 0.3)], (0.0, 0.0)))
-        # What only the server can judge it counts, and names.
+        # The server counts, and names, what only it can judge.
         session.publish(haptic.behind([((0.0, 0.0), 0.3)], (0.0, 0.0)))
         self.assertTrue(eventually(lambda: session.statistics().rejected_invalid == 1))
         self.assertIn("planes[0].normal", session.statistics().last_rejection)

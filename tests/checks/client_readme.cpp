@@ -9,8 +9,12 @@
 
 namespace haptic::readme {
 
-extern bool running, touching;
-std::vector<double> simulate(const std::vector<double>& x_probe);
+extern bool running;
+struct Simulated {
+  std::vector<client::Plane> contacts;
+  std::vector<double> x;
+};
+Simulated simulate(const std::vector<double>& x_probe);
 struct Camera {
   std::pair<std::array<double, 3>, std::array<double, 4>> wait_for_pose();
 };
@@ -36,14 +40,16 @@ void tells_contacts(client::Session* session, const std::vector<Pad>& pads,
 #include "client_readme_3.inc"
 }
 
-void says_where_the_palm_is(client::Connection& server){
+std::vector<client::Contact> contacts_near(const std::vector<double>& x, double within);
+
+void solves_its_proxy(client::Session* session, const client::DeviceState& state, double near,
+                      double coupling, std::vector<double> last) {
+  using namespace client;
 #include "client_readme_4.inc"
 }
 
-std::vector<double> where_the_device_can_push(const client::DeviceState& state,
-                                              const std::array<double, 2>& n, double d) {
+void says_where_the_palm_is(client::Connection& server) {
 #include "client_readme_5.inc"
-  return x;
 }
 
 }  // namespace haptic::readme

@@ -2,6 +2,7 @@
 /// Values that one process writes and others read, in memory that the readers cannot write: the
 /// writer waits for no reader, and a reader that is too slow loses values and knows how many.
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -14,38 +15,54 @@ namespace haptic::server {
 
 /// A value between two stamps: the writer makes the stamp odd, writes, and makes it even again. A
 /// reader whose copy began and ended at the same even stamp has a whole value. Copied in words of 8
-/// bytes, each of them atomic.
+/// bytes, each of them atomic. Of a T with bytes_used(WORD), which is told the first word of the
+/// value, only so many bytes are copied.
 template <typename T>
 class Stamped {
-  static_assert(std::is_trivially_copyable_v<T>);
-  static constexpr std::size_t kWords = (sizeof(T) + 7) / 8;
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % 8 == 0);
+  static constexpr std::size_t kWords = sizeof(T) / 8;
 
  public:
   /// The writer. `even`: the stamp that the value gets, above the one before.
   void write(const T& value, std::uint64_t even) noexcept {
-    std::array<std::uint64_t, kWords> words{};
-    std::memcpy(words.data(), &value, sizeof(T));
+    const auto* const from = reinterpret_cast<const unsigned char*>(&value);
     stamp_.store(even - 1, std::memory_order_relaxed);
     std::atomic_thread_fence(std::memory_order_release);
-    for (std::size_t i = 0; i < kWords; ++i) words_[i].store(words[i], std::memory_order_relaxed);
+    std::uint64_t word = 0;
+    std::memcpy(&word, from, 8);
+    const std::size_t used = words_used(word);
+    for (std::size_t i = 0; i < used; ++i) {
+      std::memcpy(&word, from + 8 * i, 8);
+      words_[i].store(word, std::memory_order_relaxed);
+    }
     stamp_.store(even, std::memory_order_release);
   }
   [[nodiscard]] std::uint64_t stamp() const noexcept {
     return stamp_.load(std::memory_order_acquire);
   }
-  /// The stamp of the value that was copied; 0: none was written yet; odd: it changed meanwhile.
+  /// The stamp of the value that was copied; 0: none was written yet; odd: it changed meanwhile,
+  /// and `value` is a mixture that must not be read.
   [[nodiscard]] std::uint64_t read(T& value) const noexcept {
     const std::uint64_t before = stamp_.load(std::memory_order_acquire);
     if (before == 0 || before % 2 != 0) return before;
-    std::array<std::uint64_t, kWords> words{};
-    for (std::size_t i = 0; i < kWords; ++i) words[i] = words_[i].load(std::memory_order_relaxed);
+    auto* const to = reinterpret_cast<unsigned char*>(&value);
+    const std::size_t used = words_used(words_[0].load(std::memory_order_relaxed));
+    for (std::size_t i = 0; i < used; ++i) {
+      const std::uint64_t word = words_[i].load(std::memory_order_relaxed);
+      std::memcpy(to + 8 * i, &word, 8);
+    }
     std::atomic_thread_fence(std::memory_order_acquire);
-    if (stamp_.load(std::memory_order_relaxed) != before) return 1;
-    std::memcpy(static_cast<void*>(&value), words.data(), sizeof(T));
-    return before;
+    return stamp_.load(std::memory_order_relaxed) == before ? before : 1;
   }
 
  private:
+  static std::size_t words_used([[maybe_unused]] std::uint64_t first) noexcept {
+    if constexpr (requires { T::bytes_used(first); }) {
+      return std::min(kWords, (T::bytes_used(first) + 7) / 8);
+    }
+    return kWords;
+  }
+
   std::atomic<std::uint64_t> stamp_;
   std::array<std::atomic<std::uint64_t>, kWords> words_;
 };

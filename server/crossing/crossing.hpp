@@ -4,7 +4,7 @@
 /// can lie in memory that two processes share. Nothing here points, owns or calls.
 ///
 ///   front -> owner   Request with an id; ProxySample, PoseSample
-///   owner -> front   Answer with the request's id; Judged; DeviceEvent; StateRecord; DeviceStatus
+///   owner -> front   Answer with the request's id; Judged; DeviceEvent, SerialisedState and status
 ///
 /// Every bit pattern of what goes to the owner is a valid value, so a broken front can do no harm.
 ///
@@ -27,8 +27,9 @@
 #include "haptic/core/types.hpp"
 #include "server/crossing/plain.hpp"
 #include "server/crossing/priority.hpp"
-#include "server/crossing/state_record.hpp"
+#include "server/crossing/serialised_state.hpp"
 #include "server/crossing/text.hpp"
+#include "server/crossing/values.hpp"
 
 namespace haptic::server {
 
@@ -294,6 +295,6 @@ static_assert(crosses<Request, 1288>);
 static_assert(crosses<Answer, 1864>);
 static_assert(crosses<DeviceEvent, 472>);
 static_assert(crosses<DeviceStatus, 1064>);
-static_assert(crosses<StateRecord, 3976>);
+static_assert(crosses<SerialisedState, 8232>);
 
 }  // namespace haptic::server

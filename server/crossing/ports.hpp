@@ -27,6 +27,7 @@ struct DeviceFacts {
   /// `loop_late_fault` have their defaults there.
   const core::PipelineConfig* config{nullptr};
   core::Duration lease_timeout{};
+  std::size_t largest_state{0};  ///< bytes of a v1::DeviceState at most
 };
 
 /// A front, as the owner calls it. Nothing here may block.
@@ -42,12 +43,8 @@ class FrontPort {
   virtual void on_event(std::size_t device, const DeviceEvent& event) {
     static_cast<void>(device), static_cast<void>(event);
   }
-  /// Every tick, in order, on the telemetry drain's thread.
-  virtual void on_tick(std::size_t device, const StateRecord& state) {
-    static_cast<void>(device), static_cast<void>(state);
-  }
-  /// The newest of them again, when the drain has emptied the ring.
-  virtual void on_newest(std::size_t device, const StateRecord& state) {
+  /// The state of the newest tick, on the telemetry drain's thread when it has emptied the ring.
+  virtual void on_newest(std::size_t device, const SerialisedState& state) {
     static_cast<void>(device), static_cast<void>(state);
   }
 };

@@ -33,7 +33,7 @@ using FrontCounters = std::array<std::uint64_t, kFrontCounters>;
 /// From the owner to every front, one after the other: pages that a front can only read.
 struct OwnersPages {
   struct Device {
-    Latest<StateRecord> state;
+    Latest<SerialisedState> state;
     Latest<DeviceStatus> status;
     Latest<TickTotals> totals;
   };
@@ -75,7 +75,7 @@ struct FrontsPages {
   std::uint64_t hash = 14695981039346656037ULL;
   for (const std::uint64_t part :
        {std::uint64_t{kInterface}, std::uint64_t{sizeof(OwnersPages)},
-        std::uint64_t{sizeof(FrontsPages)}, std::uint64_t{sizeof(StateRecord)},
+        std::uint64_t{sizeof(FrontsPages)}, std::uint64_t{sizeof(SerialisedState)},
         std::uint64_t{sizeof(Answer)}, std::uint64_t{sizeof(DeviceEvent)},
         std::uint64_t{sizeof(DeviceStatus)}, std::uint64_t{sizeof(TickTotals)},
         std::uint64_t{sizeof(ServerFacts)}, std::uint64_t{sizeof(Request)},

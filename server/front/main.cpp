@@ -15,7 +15,8 @@
 #include "server/front/app.hpp"
 #include "server/front/confinement.hpp"
 #include "server/front/session/owner_link.hpp"
-#include "server/state/device_message.hpp"
+#include "server/owner/state/device_message.hpp"
+#include "server/owner/state/state_message.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
 // The leak checker traces its own process, which a confined one may not.
@@ -47,7 +48,8 @@ std::vector<DeviceFacts> facts_of(const Scene& scene, const std::string& descrip
   std::vector<DeviceFacts> facts;
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const DeviceScene& device = scene.devices[i];
-    facts.push_back({device.name, devices[i], &device.pipeline, scene.server.lease_timeout});
+    facts.push_back({device.name, devices[i], &device.pipeline, scene.server.lease_timeout,
+                     largest_state(device.pipeline)});
   }
   return facts;
 }

@@ -113,7 +113,7 @@ void App::listen_to_devices() {
   owner_->connect(event_log_);
   if (!scene_.server.metrics_listen.empty() || scene_.server.web) {
     tick_metrics_ = std::make_shared<TickMetrics>(units_.size());
-    owner_->connect(tick_metrics_);
+    owner_->count_into(tick_metrics_);
   }
   for (std::size_t i = 0; i < units_.size(); ++i) {
     const DeviceScene& device = scene_.devices[i];
@@ -123,8 +123,11 @@ void App::listen_to_devices() {
     const NewFile file = create_file(record_file(scene_, i), scene_.record->overwrite);
     spdlog::info("{}: recorded in {}", device.name, file.path.string());
     recorders_.push_back(std::make_unique<Recorder>(
-        file, device.pipeline.kinematics, comparison(*scene_.record, device),
-        [this, i](const core::TickRecord& /*record*/) { return owner_->newest(i); }));
+        file, *device.pipeline.kinematics,
+        [this, i](const core::TickRecord& /*record*/) -> const v1::DeviceState& {
+          return owner_->newest(i);
+        },
+        comparison(*scene_.record, device)));
     telemetry_->add(i, recorders_.back().get());
   }
 }

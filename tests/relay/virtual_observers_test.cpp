@@ -17,7 +17,7 @@ namespace {
 /// A stream that wants every state.
 class Observer final : public server::Subscriber {
  public:
-  bool offer(const server::StateRecord& state, server::StateFrame&, bool allowed) override {
+  bool offer(const server::SerialisedState& state, server::StateFrame&, bool allowed) override {
     if (!allowed || !pace.due(state.tick)) return false;
     pace.sent(state.tick);
     ++sent;

@@ -48,7 +48,7 @@ void WatchStream::open(const grpc::ByteBuffer& raw) {
                });
 }
 
-bool WatchStream::offer(const StateRecord& state, StateFrame& frame, bool states_allowed) {
+bool WatchStream::offer(const SerialisedState& state, StateFrame& frame, bool states_allowed) {
   const std::lock_guard lock(mutex_);
   if (ended_ || writing_) return false;
   if (states_allowed && pace_.due(state.tick)) {

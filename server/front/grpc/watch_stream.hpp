@@ -19,7 +19,7 @@ class WatchStream final
                                           std::shared_ptr<Account> account);
   using GrpcStream::GrpcStream;
 
-  bool offer(const StateRecord& state, StateFrame& frame, bool states_allowed) override;
+  bool offer(const SerialisedState& state, StateFrame& frame, bool states_allowed) override;
 
  private:
   void open(const grpc::ByteBuffer& raw);

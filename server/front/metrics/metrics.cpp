@@ -7,9 +7,9 @@
 #include <fstream>
 #include <vector>
 
+#include "haptic/v1/haptic_service.pb.h"
 #include "server/front/metrics/exposition.hpp"
 #include "server/front/session/link_watch.hpp"
-#include "server/state/device_message.hpp"
 
 namespace haptic::server {
 namespace {

@@ -29,7 +29,7 @@ void Broadcaster::remove(const Subscriber* subscriber) {
   entries_.erase(entry);
 }
 
-void Broadcaster::on_newest(const StateRecord& state) {
+void Broadcaster::on_newest(const SerialisedState& state) {
   std::vector<std::shared_ptr<Subscriber>> over;
   {
     const std::lock_guard lock(mutex_);
@@ -39,8 +39,8 @@ void Broadcaster::on_newest(const StateRecord& state) {
   for (const auto& stream : over) stream->lease_over();
 }
 
-void Broadcaster::send(const StateRecord& state) {
-  frame_.begin(state);
+void Broadcaster::send(const SerialisedState& state) {
+  StateFrame frame(state);
   others_.clear();
   for (Entry& entry : entries_) {
     // A state from before the tenure knows an earlier one, and ends nothing.
@@ -53,7 +53,7 @@ void Broadcaster::send(const StateRecord& state) {
     if (entry.tenure == 0) {
       others_.push_back(entry.stream.get());
     } else {
-      entry.stream->offer(state, frame_, true);
+      entry.stream->offer(state, frame, true);
     }
   }
 
@@ -68,7 +68,7 @@ void Broadcaster::send(const StateRecord& state) {
       went_short = true;
       turn_ = at;
     }
-    if (others_[at]->offer(state, frame_, allowed)) budget_.take();
+    if (others_[at]->offer(state, frame, allowed)) budget_.take();
   }
 }
 

@@ -34,7 +34,7 @@ class Subscriber {
   virtual ~Subscriber() = default;
   /// On the drain's thread, once per emptied ring. Sends what is due and never blocks. True if a
   /// state was sent. `states_allowed` false: everything but a state.
-  virtual bool offer(const StateRecord& state, StateFrame& frame, bool states_allowed) = 0;
+  virtual bool offer(const SerialisedState& state, StateFrame& frame, bool states_allowed) = 0;
   /// On the same thread: its lease has ended, and it is one of the others now.
   virtual void lease_over() {}
 };
@@ -50,10 +50,10 @@ class Broadcaster {
   void remove(const Subscriber* subscriber);
 
   /// The drain's thread.
-  void on_newest(const StateRecord& state);
+  void on_newest(const SerialisedState& state);
 
  private:
-  void send(const StateRecord& state);
+  void send(const SerialisedState& state);
   struct Entry {
     std::uint32_t tenure{0};  ///< of the lease that it controls; 0: none, or it is over
     std::shared_ptr<Subscriber> stream{};
@@ -62,7 +62,6 @@ class Broadcaster {
   WatchBudget budget_;
 
   std::mutex mutex_;
-  StateFrame frame_;
   std::vector<Entry> entries_;
   std::vector<std::shared_ptr<Subscriber>> over_;  ///< whose lease ended with this state
   std::vector<Subscriber*> others_;                ///< without a lease; filled by each on_newest()

@@ -109,7 +109,7 @@ ServiceContext::ServiceContext(ServiceConfig service_config, OwnerPort& owner,
   // A share for each device, so that the watchers of one cannot silence those of another.
   const auto n = std::max<std::size_t>(owner.devices().size(), 1);
   const WatchBudget share(config.watch_budget_hz / static_cast<double>(n));
-  for (const DeviceFacts& device : owner.devices()) {
+  for (std::size_t i = 0; i < owner.devices().size(); ++i) {
     broadcasters.push_back(std::make_unique<Broadcaster>(share));
   }
 }

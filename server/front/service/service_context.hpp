@@ -105,7 +105,7 @@ class ServiceContext final : public Front {
  public:
   ServiceContext(ServiceConfig service_config, OwnerPort& owner, FactsProvider facts_provider);
 
-  void on_newest(std::size_t device, const StateRecord& state) override {
+  void on_newest(std::size_t device, const SerialisedState& state) override {
     broadcasters[device]->on_newest(state);
   }
 

@@ -4,7 +4,6 @@
 
 #include "server/front/session/messages.hpp"
 #include "server/front/session/refusals.hpp"
-#include "server/state/state_message.hpp"
 
 namespace haptic::server {
 namespace {
@@ -142,7 +141,7 @@ void SessionStream::offer_udp(v1::SessionOpened& message) {
     return;
   }
   const DeviceFacts& facts = context_.facts(session_->device());
-  const std::size_t largest = largest_state(*facts.config);
+  const std::size_t largest = facts.largest_state;
   if (largest > wire::kLargestPayload) {
     message.set_udp_refused("a state of this device has up to " + std::to_string(largest) +
                             " bytes: a datagram carries " + std::to_string(wire::kLargestPayload));
@@ -151,7 +150,7 @@ void SessionStream::offer_udp(v1::SessionOpened& message) {
   udp_ = SessionPath::open(*context_.udp, session_, *message.mutable_udp());
 }
 
-bool SessionStream::offer(const StateRecord& state, StateFrame& frame, bool states_allowed) {
+bool SessionStream::offer(const SerialisedState& state, StateFrame& frame, bool states_allowed) {
   const std::lock_guard lock(mutex_);
   if (ended_ || !opened_) return false;
   session_->used(state);

@@ -20,7 +20,7 @@ class SessionStream : public ResponseStream {
   SessionStream(ServiceContext& context, Peer peer, Carrier stream)
       : ResponseStream(context, peer.account), peer_(std::move(peer)), stream_(stream) {}
 
-  bool offer(const StateRecord& state, StateFrame& frame, bool states_allowed) override;
+  bool offer(const SerialisedState& state, StateFrame& frame, bool states_allowed) override;
   void goes_on_elsewhere(const std::string& session_id) override;
   void lease_over() override;
   void end_with(const Refusal& why) override { end(why); }

@@ -25,32 +25,20 @@ std::string head(std::uint32_t field_tag, std::uint64_t number) {
 
 }  // namespace
 
-void StateFrame::begin(const StateRecord& state) noexcept {
-  record_ = &state;
-  bytes_.reset();
-}
-
-void StateFrame::serialise() {
-  if (bytes_) return;
-  bytes_ = std::make_shared<const std::string>(message_.write(*record_).SerializeAsString());
+Outgoing StateFrame::framed(int field) {
+  const auto message = state_.message();
+  if (!bytes_) bytes_ = std::make_shared<const std::string>(message.begin(), message.end());
+  return {head(tag(field, kLengthDelimited), message.size()), bytes_, {}};
 }
 
 Outgoing StateFrame::for_session() {
-  serialise();
-  return {head(tag(v1::SessionResponse::kStateFieldNumber, kLengthDelimited), bytes_->size()),
-          bytes_,
-          {}};
-}
-
-std::span<const std::uint8_t> StateFrame::for_datagram() {
-  serialise();
-  return {reinterpret_cast<const std::uint8_t*>(bytes_->data()), bytes_->size()};
+  return framed(v1::SessionResponse::kStateFieldNumber);
 }
 
 Outgoing StateFrame::for_watch(std::uint64_t conflated) {
-  serialise();
-  return {head(tag(v1::WatchResponse::kStateFieldNumber, kLengthDelimited), bytes_->size()), bytes_,
-          head(tag(v1::WatchResponse::kConflatedFieldNumber, kVarint), conflated)};
+  Outgoing outgoing = framed(v1::WatchResponse::kStateFieldNumber);
+  outgoing.tail = head(tag(v1::WatchResponse::kConflatedFieldNumber, kVarint), conflated);
+  return outgoing;
 }
 
 Outgoing to_outgoing(const google::protobuf::MessageLite& message) {

@@ -1,5 +1,5 @@
 #pragma once
-/// One DeviceState, serialised once per tick and shared by every stream that sends it.
+/// One DeviceState's bytes, shared by every stream that sends it.
 
 #include <memory>
 #include <span>
@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "google/protobuf/message_lite.h"
-#include "server/state/state_message.hpp"
+#include "server/crossing/serialised_state.hpp"
 
 namespace haptic::server {
 
@@ -25,24 +25,24 @@ struct Outgoing {
 
 [[nodiscard]] Outgoing to_outgoing(const google::protobuf::MessageLite& message);
 
-/// One thread, the telemetry drain's.
+/// One thread's.
 class StateFrame {
  public:
-  /// A new state; nothing is serialised before a stream asks. `state` must outlive the use.
-  void begin(const StateRecord& state) noexcept;
+  /// `state` must outlive it. Its bytes are copied when the first stream asks.
+  explicit StateFrame(const SerialisedState& state) : state_(state) {}
   /// SessionResponse { state }.
   [[nodiscard]] Outgoing for_session();
-  /// DeviceState alone, as a datagram carries it; until the next begin().
-  [[nodiscard]] std::span<const std::uint8_t> for_datagram();
+  /// DeviceState alone, as a datagram carries it.
+  [[nodiscard]] std::span<const std::uint8_t> for_datagram() const { return state_.message(); }
   /// WatchResponse { state, conflated }.
   [[nodiscard]] Outgoing for_watch(std::uint64_t conflated);
 
  private:
-  void serialise();
+  /// `field`: of the message that holds the state.
+  [[nodiscard]] Outgoing framed(int field);
 
-  StateMessage message_{};
-  const StateRecord* record_{nullptr};
-  std::shared_ptr<const std::string> bytes_{};  ///< null: not serialised yet
+  const SerialisedState& state_;
+  std::shared_ptr<const std::string> bytes_{};  ///< null: no stream asked yet
 };
 
 }  // namespace haptic::server

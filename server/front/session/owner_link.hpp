@@ -88,7 +88,7 @@ class OwnerLink final : public OwnerPort {
   Broadcast<Happened, 512>::Cursor events_{};
   Broadcast<Judged, 2048>::Cursor judged_{};
   std::vector<std::uint64_t> seen_{};  ///< of each device's states
-  StateRecord newest_{};
+  SerialisedState newest_{};
 
   std::atomic<bool> stopping_{false};
   std::thread thread_{};

@@ -236,23 +236,23 @@ void Session::on_judged(const Judged& judged) {
                  "the client's choice");
 }
 
-bool Session::due(const StateRecord& state) {
+bool Session::due(const SerialisedState& state) {
   const std::lock_guard lock(mutex_);
   ledger_.look(state.now);
   return pace_.due(state.tick);
 }
 
-void Session::sent(const StateRecord& state, Carrier carrier) {
+void Session::sent(const SerialisedState& state, Carrier carrier) {
   const std::lock_guard lock(mutex_);
   pace_.sent(state.tick);
   states_by_ = carrier;
   link_.state_sent(state.tick, state.now, carrier);
 }
 
-void Session::used(const StateRecord& state) {
+void Session::used(const SerialisedState& state) {
   const std::lock_guard lock(mutex_);
   const bool ours = state.lease_held && tenure_ != 0 && state.tenure == tenure_;
-  if (ours && state.mode != core::ProxyMode::kNone) link_.used(state.now, state.proxy_age);
+  if (ours && state.proxy_used) link_.used(state.now, state.proxy_age);
 }
 
 std::optional<v1::SessionResponse> Session::next() {

@@ -65,11 +65,11 @@ class Session final : public SampleSource, public std::enable_shared_from_this<S
   void on_judged(const Judged& judged) override;
 
   /// Once per tick that may be sent; also decides whether an acknowledgement is due.
-  [[nodiscard]] bool due(const StateRecord& state);
+  [[nodiscard]] bool due(const SerialisedState& state);
   /// A tick that used a sample of this session.
-  void used(const StateRecord& state);
+  void used(const SerialisedState& state);
   /// The state was sent by `carrier`.
-  void sent(const StateRecord& state, Carrier carrier);
+  void sent(const SerialisedState& state, Carrier carrier);
   /// The next event or acknowledgement; absent: there is none to send.
   [[nodiscard]] std::optional<v1::SessionResponse> next();
   /// The states go by `carrier` from now on, or samples did for a while.

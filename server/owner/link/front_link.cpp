@@ -14,7 +14,7 @@
 #include "server/base/steady_now.hpp"
 #include "server/base/thread_setup.hpp"
 #include "server/crossing/link_messages.hpp"
-#include "server/state/device_message.hpp"
+#include "server/owner/state/device_message.hpp"
 
 namespace haptic::server {
 namespace {

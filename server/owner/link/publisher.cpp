@@ -63,7 +63,7 @@ void Publisher::on_event(std::size_t device, const DeviceEvent& event) {
   pages_.events.publish({static_cast<std::uint32_t>(device), event});
 }
 
-void Publisher::on_newest(std::size_t device, const StateRecord& state) {
+void Publisher::on_newest(std::size_t device, const SerialisedState& state) {
   pages_.devices[device].state.publish(state);
   ring();
   status(device);

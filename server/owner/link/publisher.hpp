@@ -44,7 +44,7 @@ class Publisher final : public FrontPort {
 
   void on_answer(const Answer& answer) override;
   void on_event(std::size_t device, const DeviceEvent& event) override;
-  void on_newest(std::size_t device, const StateRecord& state) override;
+  void on_newest(std::size_t device, const SerialisedState& state) override;
 
  private:
   const Owner& owner_;

@@ -15,7 +15,7 @@ namespace haptic::server {
 
 class DeviceUnit {
  public:
-  /// Records kept for a slow telemetry drain: half a second at 1 kHz, 24 KB each.
+  /// Records kept for a slow telemetry drain: half a second at 1 kHz.
   static constexpr std::size_t kRingCapacity = 512;
 
   DeviceUnit(std::string name, std::unique_ptr<hw::Device> device, core::PipelineConfig config);

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "server/crossing/state_record.hpp"
 #include "server/owner/rights/settings_policy.hpp"
 
 namespace haptic::server {
@@ -11,10 +10,6 @@ namespace {
 bool needs_tick(Request::Kind kind) {
   return kind == Request::Kind::kStop || kind == Request::Kind::kEngage ||
          kind == Request::Kind::kRelease || kind == Request::Kind::kClear;
-}
-
-Values values(const core::VecA& from) {
-  return {from.data(), static_cast<std::size_t>(from.size())};
 }
 
 Settings flat(const core::RenderSettings& from) {
@@ -77,7 +72,7 @@ void DeviceSessions::ask_loop(const Request& request, std::uint64_t& counter) {
 
 void DeviceSessions::clear_faults(const Request& request) {
   const std::uint32_t wanted = request.faults.any() ? request.faults.bits() : ~std::uint32_t{0};
-  const core::FaultSet active(newest_.faults().bits() & wanted);
+  const core::FaultSet active(seen_.faults.bits() & wanted);
   if (!active.any()) {
     answer(request.id);
     return;
@@ -91,16 +86,15 @@ void DeviceSessions::clear_faults(const Request& request) {
     }
     stopped_locally_ = false;
   }
-  pending_.add_clear(request, {active, newest_.life.stop_id});
+  pending_.add_clear(request, {active, seen_.stop_id});
   post_next_clear();
 }
 
 void DeviceSessions::update_settings(const Request& request) {
   if (const auto refusal = not_holder(request.session_id)) return answer(request.id, *refusal);
   // An Engage that the loop has not answered yet may switch force on before these settings arrive.
-  const bool engaging = command_.engage_id != newest_.life.engage.id;
-  const core::LifecycleState state =
-      engaging ? core::LifecycleState::kEngaging : newest_.life.state;
+  const bool engaging = command_.engage_id != seen_.engage_id;
+  const core::LifecycleState state = engaging ? core::LifecycleState::kEngaging : seen_.state;
   const Outcome<SettingsAnswer> outcome =
       apply_settings(request.settings, settings_, unit_.config(), state);
   if (!outcome) return answer(request.id, outcome.refusal);
@@ -144,9 +138,9 @@ Outbox DeviceSessions::take() {
 
 DeviceStatus DeviceSessions::status() const {
   DeviceStatus status;
-  status.ticked = newest_.input.now;
-  status.state = newest_.life.state;
-  status.faults = newest_.faults();
+  status.ticked = seen_.now;
+  status.state = seen_.state;
+  status.faults = seen_.faults;
   status.renderer = settings_.renderer;
   status.controller = lease_.client_name;
   status.holder = lease_.session_id;
@@ -158,17 +152,19 @@ DeviceStatus DeviceSessions::status() const {
   return status;
 }
 
-StateRecord DeviceSessions::state(const core::TickRecord& record) const noexcept {
+TickTold DeviceSessions::told(const core::TickRecord& record) const noexcept {
   const std::uint32_t tenure = record.input.command.tenure;
   Carrier carrier = Carrier::kNone;
   if (record.proxy.mode != core::ProxyMode::kNone) {
     carrier = ingress_.carrier_of(record.proxy.seq, record.input.now - record.proxy.age);
   }
-  return state_record(record, carrier, tenure == 0 ? 0 : tenure + lease_.resumes);
+  return {record, carrier, tenure == 0 ? 0 : tenure + lease_.resumes};
 }
 
 void DeviceSessions::step(const core::TickRecord& record) {
-  newest_ = record;
+  const core::CommandSnapshot& command = record.input.command;
+  seen_ = {record.input.now,      record.life.state, record.faults(),    record.life.stop_id,
+           record.life.engage.id, record.life.gain,  command.lease_held, command.tenure};
   const std::size_t told = out_.events.size();
   detector_.step(record, stop_reason_, out_.events);
   for (std::size_t i = told; i < out_.events.size(); ++i) {
@@ -200,8 +196,7 @@ Answer& DeviceSessions::answer(std::uint64_t id) {
 }
 
 void DeviceSessions::tell(DeviceEvent::Kind kind, const char* reason, const std::string& message) {
-  out_.events.push_back(
-      {kind, newest_.input.now, reason, message, newest_.life.state, lease_.epoch()});
+  out_.events.push_back({kind, seen_.now, reason, message, seen_.state, lease_.epoch()});
 }
 
 void DeviceSessions::post() noexcept {
@@ -224,9 +219,9 @@ void DeviceSessions::publish_settings(core::RenderSettings settings) {
 }
 
 bool DeviceSessions::force_is_on() const noexcept {
-  const core::CommandSnapshot& seen = newest_.input.command;
-  const bool loop_knows = seen.lease_held == command_.lease_held && seen.tenure == command_.tenure;
-  return !loop_knows || newest_.life.gain > 0.0;
+  const bool loop_knows =
+      seen_.lease_held == command_.lease_held && seen_.tenure == command_.tenure;
+  return !loop_knows || seen_.gain > 0.0;
 }
 
 std::optional<Refusal> DeviceSessions::not_holder(const SessionId& session_id) const {

@@ -22,6 +22,7 @@
 #include "server/owner/rights/device_tracker.hpp"
 #include "server/owner/rights/lease.hpp"
 #include "server/owner/rights/pending_requests.hpp"
+#include "server/owner/state/state_message.hpp"
 
 namespace haptic::server {
 
@@ -70,9 +71,9 @@ class DeviceSessions {
   [[nodiscard]] bool would_resume(const SessionId& resume) const noexcept;
   /// All but the numbers of sessions.
   [[nodiscard]] DeviceStatus status() const;
-  /// The state of a record, with what the loop does not know: who carried the sample in use, and
-  /// the epoch of its lease as clients know it.
-  [[nodiscard]] StateRecord state(const core::TickRecord& record) const noexcept;
+  /// `record` and what the loop does not know: who carried the sample in use, and the epoch of its
+  /// lease as clients know it.
+  [[nodiscard]] TickTold told(const core::TickRecord& record) const noexcept;
 
  private:
   struct Newcomer {
@@ -125,7 +126,16 @@ class DeviceSessions {
   EventDetector detector_;
   std::string stop_reason_{};
   bool stopped_locally_{false};  ///< by the local control socket, which alone clears that
-  core::TickRecord newest_{};
+  /// What of the newest record the calls after it ask for.
+  struct Seen {
+    core::TimePoint now{};
+    core::LifecycleState state{core::LifecycleState::kInit};
+    core::FaultSet faults{};
+    std::uint64_t stop_id{0}, engage_id{0};
+    double gain{0.0};
+    bool lease_held{false};
+    std::uint32_t tenure{0};
+  } seen_{};
   Outbox out_{};
 };
 

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/state/device_message.hpp"
+#include "haptic/core/error.hpp"
+#include "server/owner/state/device_message.hpp"
 
 namespace haptic::server {
 namespace {
@@ -40,8 +41,9 @@ class Owner::Device final : public RecordListener {
     tell_wrong_size(record.input.device.sample.q.size());
     owner_.on_record(*this, record);
   }
-  void on_newest(const core::TickRecord& /*record*/) override {
-    for (const auto& front : owner_.fronts()) front->on_newest(index, newest);
+  void on_newest(const core::TickRecord& record) override {
+    serialise(record, state, serialised_);
+    for (const auto& front : owner_.fronts()) front->on_newest(index, serialised_);
   }
 
   /// Idle processors and, at the end of a tick, the drain stay awake while a connected controller
@@ -56,7 +58,7 @@ class Owner::Device final : public RecordListener {
   DeviceUnit& unit;
   DeviceSessions sessions;
   core::TimePoint told_at{};  ///< of the newest event
-  StateRecord newest{};       ///< the drain's
+  v1::DeviceState state{};    ///< of the newest record; the drain's
 
  private:
   /// Once: the device stays INIT, because no fault names a sample that cannot be one.
@@ -68,6 +70,7 @@ class Owner::Device final : public RecordListener {
   }
 
   Owner& owner_;
+  SerialisedState serialised_{};
   bool watched_{false};
   bool told_{false};  ///< that a sample has the wrong size
 };
@@ -83,7 +86,14 @@ void Owner::add(DeviceUnit& unit, const SessionRules& rules,
     description = std::make_shared<const v1::Device>(
         describe(unit.name(), unit.device().info(), unit.config()));
   }
-  facts_.push_back({unit.name(), std::move(description), &unit.config(), rules.lease_timeout});
+  const std::size_t largest = largest_state(unit.config());
+  if (largest > SerialisedState::kMost) {
+    throw core::SceneError("device '" + unit.name() + "': its state may have " +
+                           std::to_string(largest) + " bytes, must have at most " +
+                           std::to_string(SerialisedState::kMost));
+  }
+  facts_.push_back(
+      {unit.name(), std::move(description), &unit.config(), rules.lease_timeout, largest});
   devices_.push_back(std::make_unique<Device>(*this, devices_.size(), unit, rules));
 }
 
@@ -209,16 +219,18 @@ DeviceStatus Owner::status(std::size_t device) const {
   return status;
 }
 
-const StateRecord& Owner::newest(std::size_t device) const {
-  return devices_.at(device)->newest;
+const v1::DeviceState& Owner::newest(std::size_t device) const {
+  return devices_.at(device)->state;
 }
 
 void Owner::on_record(Device& device, const core::TickRecord& record) {
+  std::optional<TickTold> told;
   serve([&](auto&) {
     device.sessions.step(record);
-    device.newest = device.sessions.state(record);
+    told.emplace(device.sessions.told(record));
   });
-  for (const auto& front : fronts()) front->on_tick(device.index, device.newest);
+  write(*told, device.state);
+  if (metrics_) metrics_->count(device.index, *told);
 }
 
 }  // namespace haptic::server

@@ -11,6 +11,7 @@
 #include "server/owner/rights/device_sessions.hpp"
 #include "server/owner/rights/session_registry.hpp"
 #include "server/owner/telemetry/telemetry.hpp"
+#include "server/owner/telemetry/tick_metrics.hpp"
 
 namespace haptic::server {
 
@@ -24,9 +25,12 @@ class Owner final : public OwnerPort {
   Owner& operator=(const Owner&) = delete;
 
   /// The next device, which is that unit of the telemetry. Before any other call; `unit` must
-  /// outlive this. `description`: describe() of it, if the caller has that already.
+  /// outlive this. `description`: describe() of it, if the caller has that already. Throws
+  /// core::SceneError if a state of it may be larger than SerialisedState holds.
   void add(DeviceUnit& unit, const SessionRules& rules,
            std::shared_ptr<const v1::Device> description = nullptr);
+  /// Counts every tick from now on. Before the telemetry starts.
+  void count_into(std::shared_ptr<TickMetrics> metrics) { metrics_ = std::move(metrics); }
   /// SIGTERM: DeviceSessions::begin_closing() of every device.
   void begin_closing();
   /// The loop has ended, and the telemetry has drained: DeviceSessions::loop_ended() of every
@@ -49,7 +53,7 @@ class Owner final : public OwnerPort {
   void post(const PoseSample& pose) override;
   [[nodiscard]] DeviceStatus status(std::size_t device) const override;
   /// The state of the newest record. The telemetry drain's thread only.
-  [[nodiscard]] const StateRecord& newest(std::size_t device) const;
+  [[nodiscard]] const v1::DeviceState& newest(std::size_t device) const;
 
  private:
   class Device;
@@ -65,6 +69,7 @@ class Owner final : public OwnerPort {
   Telemetry& telemetry_;
   std::vector<DeviceFacts> facts_;
   std::vector<std::unique_ptr<Device>> devices_;
+  std::shared_ptr<TickMetrics> metrics_{};  ///< null: ticks are not counted
 
   mutable std::mutex mutex_;
   SessionRegistry registry_;

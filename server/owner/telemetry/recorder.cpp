@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "server/base/figures.hpp"
-#include "server/crossing/state_record.hpp"
 
 namespace haptic::server {
 namespace {
@@ -120,15 +119,14 @@ std::string Recorder::header(const core::Kinematics& kinematics, bool compare) {
   return line;
 }
 
-Recorder::Recorder(const NewFile& file, std::shared_ptr<const core::Kinematics> kinematics,
-                   std::unique_ptr<RendererComparison> comparison, StateOf state_of)
-    : labels_(labels_of(*kinematics)),
+Recorder::Recorder(const NewFile& file, const core::Kinematics& kinematics, StateOf state_of,
+                   std::unique_ptr<RendererComparison> comparison)
+    : labels_(labels_of(kinematics)),
       leaves_(schema::leaves(*v1::DeviceState::descriptor())),
       comparison_(std::move(comparison)),
       state_of_(std::move(state_of)),
-      kinematics_(std::move(kinematics)),
       file_(file) {
-  static_cast<void>(file_.append(header(*kinematics_, comparison_ != nullptr) + '\n'));
+  static_cast<void>(file_.append(header(kinematics, comparison_ != nullptr) + '\n'));
 }
 
 Recorder::~Recorder() {
@@ -149,8 +147,7 @@ void Recorder::on_record(const core::TickRecord& record) {
 }
 
 void Recorder::compose(const core::TickRecord& record) {
-  const v1::DeviceState& state =
-      message_.write(state_of_ ? state_of_(record) : state_record(record));
+  const v1::DeviceState& state = state_of_(record);
   row_.clear();
   Row row(row_);
   row.number(core::seconds(record.input.now - *start_));

@@ -29,21 +29,21 @@
 
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/schema/fields.hpp"
+#include "haptic/v1/session.pb.h"
 #include "server/owner/telemetry/background_file.hpp"
 #include "server/owner/telemetry/renderer_comparison.hpp"
 #include "server/owner/telemetry/telemetry.hpp"
-#include "server/state/state_message.hpp"
 
 namespace haptic::server {
 
 class Recorder final : public RecordListener {
  public:
-  using StateOf = std::function<StateRecord(const core::TickRecord&)>;
+  /// The state of the newest record.
+  using StateOf = std::function<const v1::DeviceState&(const core::TickRecord&)>;
 
-  /// Takes `file` over. `comparison` absent: no columns of the other renderers. `state_of` absent:
-  /// states without carrier and lease.
-  Recorder(const NewFile& file, std::shared_ptr<const core::Kinematics> kinematics,
-           std::unique_ptr<RendererComparison> comparison = nullptr, StateOf state_of = {});
+  /// Takes `file` over. `comparison` absent: no columns of the other renderers.
+  Recorder(const NewFile& file, const core::Kinematics& kinematics, StateOf state_of,
+           std::unique_ptr<RendererComparison> comparison = nullptr);
   /// Writes what is left and closes. The recorder must have been removed from the telemetry.
   ~Recorder() override;
   Recorder(const Recorder&) = delete;
@@ -67,9 +67,7 @@ class Recorder final : public RecordListener {
   const schema::Labels labels_;
   const std::vector<schema::Leaf> leaves_;
   const std::unique_ptr<RendererComparison> comparison_;
-  StateMessage message_{};
   const StateOf state_of_;
-  const std::shared_ptr<const core::Kinematics> kinematics_;  ///< of comparison
   BackgroundFile file_;
   std::string row_;  ///< kept for its capacity
   std::uint64_t rows_{0};

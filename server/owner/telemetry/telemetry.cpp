@@ -15,7 +15,7 @@ constexpr core::Duration kPatience = std::chrono::microseconds(60);
 }  // namespace
 
 Telemetry::Telemetry(const std::vector<DeviceUnit*>& units) {
-  for (DeviceUnit* unit : units) channels_.push_back({unit, {}, {}});
+  for (DeviceUnit* unit : units) channels_.push_back({unit});
 }
 
 Telemetry::~Telemetry() {
@@ -62,10 +62,7 @@ void Telemetry::watch(int change) {
 void Telemetry::wait_for_ring(std::uint32_t heard) noexcept {
   if (may_watch_ && watchers_.load(std::memory_order_relaxed) > 0) {
     core::TimePoint next{};
-    for (const Channel& channel : channels_) {
-      const core::TickInput& in = channel.newest.input;
-      next = std::max(next, in.now - in.loop.lateness + in.period);
-    }
+    for (const Channel& channel : channels_) next = std::max(next, channel.next_tick);
     bell_.meet(heard, next, kPatience);
     if (bell_.rings() != heard) return;
   }
@@ -76,13 +73,13 @@ void Telemetry::drain() {
   const std::lock_guard lock(mutex_);
   for (Channel& channel : channels_) {
     core::Ring<core::TickRecord>& records = channel.unit->records;
-    if (records.front() == nullptr) continue;
-    while (const core::TickRecord* record = records.front()) {
-      channel.newest = *record;
-      records.pop();
-      for (RecordListener* listener : channel.listeners) listener->on_record(channel.newest);
+    for (; const core::TickRecord* const record = records.front(); records.pop()) {
+      for (RecordListener* listener : channel.listeners) listener->on_record(*record);
+      if (!records.last()) continue;
+      for (RecordListener* listener : channel.listeners) listener->on_newest(*record);
+      const core::TickInput& in = record->input;
+      channel.next_tick = in.now - in.loop.lateness + in.period;
     }
-    for (RecordListener* listener : channel.listeners) listener->on_newest(channel.newest);
   }
 }
 
@@ -94,11 +91,6 @@ void Telemetry::add(std::size_t unit, RecordListener* listener) {
 void Telemetry::remove(std::size_t unit, RecordListener* listener) {
   const std::lock_guard lock(mutex_);
   std::erase(channels_.at(unit).listeners, listener);
-}
-
-core::TickRecord Telemetry::newest(std::size_t unit) const {
-  const std::lock_guard lock(mutex_);
-  return channels_.at(unit).newest;
 }
 
 }  // namespace haptic::server

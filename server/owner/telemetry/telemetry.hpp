@@ -1,6 +1,6 @@
 #pragma once
-/// The telemetry drain: one thread that empties every unit's ring, keeps the newest record, and
-/// tells those who listen. The loop wakes it with a futex and never waits for it.
+/// The telemetry drain: one thread that empties every unit's ring and shows each record, where it
+/// lies in the ring, to those who listen. The loop wakes it with a futex and never waits for it.
 
 #include <atomic>
 #include <functional>
@@ -21,7 +21,7 @@ class RecordListener {
   virtual ~RecordListener() = default;
   /// Every record of the unit, in order, none left out (but those counted as dropped).
   virtual void on_record(const core::TickRecord& record) = 0;
-  /// After the ring was emptied: `record` is the newest. For conflating listeners.
+  /// No record came after this one yet. For listeners that leave out records.
   virtual void on_newest(const core::TickRecord& record) { static_cast<void>(record); }
 };
 
@@ -59,9 +59,6 @@ class Telemetry {
   /// time.
   void watch(int change);
 
-  /// The newest record of a unit; a default one before the first tick. Any thread, as add().
-  [[nodiscard]] core::TickRecord newest(std::size_t unit) const;
-
   /// Wakes the drain: the loop rings it at the end of every tick.
   [[nodiscard]] Bell& bell() noexcept { return bell_; }
 
@@ -69,7 +66,7 @@ class Telemetry {
   struct Channel {
     DeviceUnit* unit{nullptr};
     std::vector<RecordListener*> listeners{};
-    core::TickRecord newest{};  ///< written by the drain alone, which reads it without the mutex
+    core::TimePoint next_tick{};  ///< the drain's alone
   };
   void serve() noexcept;
   void wait_for_ring(std::uint32_t heard) noexcept;

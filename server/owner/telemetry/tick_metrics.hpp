@@ -5,16 +5,17 @@
 #include <mutex>
 #include <vector>
 
-#include "server/crossing/ports.hpp"
 #include "server/crossing/tick_totals.hpp"
+#include "server/owner/state/state_message.hpp"
 
 namespace haptic::server {
 
-class TickMetrics final : public FrontPort {
+class TickMetrics {
  public:
   explicit TickMetrics(std::size_t devices) : totals_(devices) {}
 
-  void on_tick(std::size_t device, const StateRecord& state) override;
+  /// Every tick of the device, in order.
+  void count(std::size_t device, const TickTold& told);
   /// Any thread; a copy, so that no text is formatted under the drain's mutex.
   [[nodiscard]] TickTotals totals(std::size_t device) const;
 

@@ -15,7 +15,7 @@ struct Broadcast final : server::FrontPort {
     owner.connect(made);
     return made;
   }
-  void on_newest(std::size_t /*device*/, const server::StateRecord& state) override {
+  void on_newest(std::size_t /*device*/, const server::SerialisedState& state) override {
     broadcaster.on_newest(state);
   }
 

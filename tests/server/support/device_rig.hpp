@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,6 +49,7 @@ class DeviceRig {
     telemetry = std::make_unique<server::Telemetry>(std::vector<server::DeviceUnit*>{unit.get()});
     owner = std::make_unique<server::Owner>(*telemetry, max_sessions);
     owner->add(*unit, rules);
+    telemetry->add(0, &newest_);
     sessions = HandFront::of(*owner);
     now = start;
   }
@@ -60,7 +62,10 @@ class DeviceRig {
     }
   }
 
-  [[nodiscard]] core::TickRecord newest() const { return telemetry->newest(0); }
+  [[nodiscard]] core::TickRecord newest() const {
+    const std::lock_guard lock(newest_.mutex);
+    return newest_.record;
+  }
   [[nodiscard]] core::LifecycleState state() const { return newest().life.state; }
 
   struct Reply {
@@ -136,6 +141,17 @@ class DeviceRig {
   std::uint64_t seq{0};
   std::uint32_t free_epoch{0};  ///< had its free sample
   std::string refusal;          ///< sentence of the last engage()
+
+ private:
+  struct Newest final : server::RecordListener {
+    void on_record(const core::TickRecord& /*record*/) override {}
+    void on_newest(const core::TickRecord& newest) override {
+      const std::lock_guard lock(mutex);
+      record = newest;
+    }
+    mutable std::mutex mutex;
+    core::TickRecord record{};
+  } newest_{};
 };
 
 /// The reasons of every event that waits in a queue.

@@ -2,14 +2,18 @@
 /// A front of device 0 that a test drives: requests are calls with callbacks. Sessions have short
 /// names chosen by the test ("s1") and are admitted at their first use.
 
+#include <gtest/gtest.h>
+
 #include <deque>
 #include <functional>
 #include <map>
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "haptic/core/tick/tick_record.hpp"
+#include "haptic/v1/session.pb.h"
 #include "server/front/session/front.hpp"
 
 namespace haptic::test {
@@ -88,11 +92,13 @@ class HandFront final : public server::Front {
     return status().holder == (known != ids_.end() ? known->second : server::SessionId(name));
   }
   /// The owner's state of a record that was drained.
-  [[nodiscard]] server::StateRecord state_of(const core::TickRecord& record) const {
-    for (const server::StateRecord& state : states_) {
-      if (state.tick == record.beat.tick) return state;
+  [[nodiscard]] v1::DeviceState state_of(const core::TickRecord& record) const {
+    v1::DeviceState state;
+    for (const auto& [tick, bytes] : states_) {
+      if (tick != record.beat.tick) continue;
+      EXPECT_TRUE(state.ParseFromString(bytes));
     }
-    return {};
+    return state;
   }
 
   /// The secret name of a session.
@@ -105,8 +111,9 @@ class HandFront final : public server::Front {
     return ids_[name] = id;
   }
 
-  void on_tick(std::size_t /*device*/, const server::StateRecord& state) override {
-    states_.push_front(state);
+  void on_newest(std::size_t /*device*/, const server::SerialisedState& state) override {
+    const auto bytes = state.message();
+    states_.emplace_front(state.tick, std::string(bytes.begin(), bytes.end()));
     if (states_.size() > 512) states_.pop_back();
   }
 
@@ -122,7 +129,7 @@ class HandFront final : public server::Front {
 
   std::map<std::string, server::SessionId> ids_{};
   std::set<std::string> closed_{};  ///< known still: a lease may be resumed by its old name
-  std::deque<server::StateRecord> states_{};
+  std::deque<std::pair<std::uint64_t, std::string>> states_{};  ///< by tick
 };
 
 }  // namespace haptic::test

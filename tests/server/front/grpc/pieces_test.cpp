@@ -14,7 +14,7 @@
 #include "server/front/session/pace.hpp"
 #include "server/front/session/refusals.hpp"
 #include "server/front/session/sample_ledger.hpp"
-#include "server/state/state_message.hpp"
+#include "server/owner/state/state_message.hpp"
 
 namespace haptic::server {
 namespace {
@@ -92,25 +92,15 @@ TEST(WatchBudget, GivesItsRateAndKeepsLittle) {
   EXPECT_LE(burst, 4);
 }
 
-StateRecord record() {
-  return {.tick = 77,
-          .now = core::TimePoint(3s),
-          .state = core::LifecycleState::kEngaged,
-          .gain = 0.5,
-          .lease_epoch = 7,
-          .carrier = Carrier::kUdp,
-          .q = {0.125, 0.125},
-          .tau_a = {-1.5},
-          .stiffness = {100.0}};
-}
-
-TEST(StateFrame, SharedBytesAreTheMessagesBytes) {
-  const StateRecord r = record();
+TEST(StateFrame, PassesTheStatesBytesOn) {
   v1::WatchResponse expected;
-  *expected.mutable_state() = StateMessage().write(r);
+  expected.mutable_state()->set_seq(77);
+  expected.mutable_state()->add_tau_a(-1.5);
   expected.set_conflated(123456);
-  StateFrame frame;
-  frame.begin(r);
+  SerialisedState state;
+  state.size = static_cast<std::uint32_t>(expected.state().ByteSizeLong());
+  ASSERT_TRUE(expected.state().SerializeToArray(state.bytes.data(), SerialisedState::kMost));
+  StateFrame frame(state);
   grpc::Slice slice;
   ASSERT_TRUE(to_buffer(frame.for_watch(123456)).DumpToSingleSlice(&slice).ok());
   v1::WatchResponse parsed;
@@ -120,37 +110,8 @@ TEST(StateFrame, SharedBytesAreTheMessagesBytes) {
   v1::SessionResponse session;
   ASSERT_TRUE(session.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
   EXPECT_EQ(session.state().SerializeAsString(), expected.state().SerializeAsString());
-  EXPECT_EQ(session.state().seq(), 77U);
-  EXPECT_EQ(session.state().transport(), v1::TRANSPORT_UDP);
-  EXPECT_EQ(session.state().lease_epoch(), 7U);
-  EXPECT_EQ(session.state().server_time_ns(), 3'000'000'000);
-  EXPECT_EQ(session.state().stiffness_in_effect(0), 50.0);
-  EXPECT_EQ(session.state().state(), v1::DEVICE_STATE_NAME_ENGAGED);
-}
-
-TEST(StateFrame, EnergyBookIsPresentIfConfigured) {
-  StateRecord r = record();
-  r.active_planes = 5;
-  r.unexplained = 0.25;
-  r.passivity.on = true;
-  r.passivity.tank = 0.003;
-  r.passivity.storage = 0.002;
-  r.passivity.scale = 0.5;
-  r.passivity.observed = -1e-4;
-  r.passivity.alpha = 2e-4;
-  StateMessage message;
-  const v1::DeviceState& state = message.write(r);
-  EXPECT_EQ(state.active_planes(), 5U);
-  EXPECT_EQ(state.unexplained(), 0.25);
-  ASSERT_TRUE(state.has_passivity());
-  EXPECT_EQ(state.passivity().tank(), 0.003);
-  EXPECT_EQ(state.passivity().storage(), 0.002);
-  EXPECT_EQ(state.passivity().scale(), 0.5);
-  EXPECT_EQ(state.passivity().observed(), -1e-4);
-  EXPECT_EQ(state.passivity().alpha(), 2e-4);
-  r.passivity.on = false;
-  static_cast<void>(message.write(r));
-  EXPECT_FALSE(state.has_passivity());
+  const auto datagram = frame.for_datagram();
+  EXPECT_EQ(std::string(datagram.begin(), datagram.end()), expected.state().SerializeAsString());
 }
 
 TEST(LargestState, HandsFitADatagram) {
@@ -234,23 +195,6 @@ TEST(Messages, ContactLiesBehindItsNormal) {
   EXPECT_EQ(first.tells_uncertainty, 1u) << "0 is exact, not absent";
   EXPECT_EQ(taken.planes[1].tells_uncertainty, 0u);
   EXPECT_EQ(taken.planes[1].curvature_count, 100u) << "as on the wire; the ingress refuses it";
-}
-
-TEST(StateFrame, ANewTickIsSerialisedAgain) {
-  StateRecord r = record();
-  StateFrame frame;
-  frame.begin(r);
-  static_cast<void>(frame.for_session());
-  StateRecord next = record();
-  next.tick = 78;
-  next.q = {};
-  frame.begin(next);
-  grpc::Slice slice;
-  ASSERT_TRUE(to_buffer(frame.for_session()).DumpToSingleSlice(&slice).ok());
-  v1::SessionResponse session;
-  ASSERT_TRUE(session.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
-  EXPECT_EQ(session.state().seq(), 78U);
-  EXPECT_EQ(session.state().q_size(), 0);
 }
 
 TEST(Text, ClientCannotSteerATerminal) {

@@ -12,7 +12,7 @@ namespace {
 
 class Counter final : public server::Subscriber {
  public:
-  bool offer(const server::StateRecord& state, server::StateFrame&, bool allowed) override {
+  bool offer(const server::SerialisedState& state, server::StateFrame&, bool allowed) override {
     ++asked;
     if (!allowed || !pace.due(state.tick)) return false;
     pace.sent(state.tick);

@@ -37,7 +37,7 @@ class HandDrivenStream final : public server::ResponseStream {
     const std::lock_guard lock(mutex_);
     write({});
   }
-  bool offer(const server::StateRecord&, server::StateFrame&, bool) override {
+  bool offer(const server::SerialisedState&, server::StateFrame&, bool) override {
     ++offered;
     return false;
   }

@@ -68,7 +68,7 @@ TEST_F(ResumeTest, KeepsAgeAndGainRaisesEpoch) {
   rig.tick();
   EXPECT_EQ(rig.newest().life.gain, 1.0);
   EXPECT_EQ(rig.newest().proxy.age, age + 1ms);
-  EXPECT_EQ(rig.sessions->state_of(rig.newest()).lease_epoch, 2U);
+  EXPECT_EQ(rig.sessions->state_of(rig.newest()).lease_epoch(), 2U);
   rig.epoch = rig.free_epoch = 2;
   for (int i = 0; i < 100; ++i) {
     EXPECT_EQ(rig.publish(0.01), IngressVerdict::kAccepted);
@@ -292,7 +292,7 @@ TEST_F(ResumeTest, PreemptionFadesThenAnswersAtZero) {
     rig.tick();
     ++ticks;
     const core::TickRecord record = rig.newest();
-    EXPECT_EQ(rig.sessions->state_of(record).lease_epoch, 2U);  // the epoch rose at once
+    EXPECT_EQ(rig.sessions->state_of(record).lease_epoch(), 2U);  // the epoch rose at once
     EXPECT_LE(record.effort.tau_elastic[0], last + 1e-12);
     EXPECT_EQ(boss->lease.has_value(), record.life.gain == 0.0);
     EXPECT_NE(record.life.state, LifecycleState::kIdle);  // never disarmed in between
@@ -383,12 +383,12 @@ TEST_F(ResumeTest, StatesCarrierIsTheUsedSamples) {
   ASSERT_EQ(rig.owner->accept(sample, rig.owner->turn()).verdict, IngressVerdict::kAccepted);
   // The newest sample came by UDP; the record's tick used the one before it.
   EXPECT_EQ(rig.sessions->status().carrier, server::Carrier::kUdp);
-  EXPECT_EQ(rig.sessions->state_of(before).carrier, server::Carrier::kGrpc);
+  EXPECT_EQ(rig.sessions->state_of(before).transport(), v1::TRANSPORT_GRPC);
   rig.tick();
-  EXPECT_EQ(rig.sessions->state_of(rig.newest()).carrier, server::Carrier::kUdp);
+  EXPECT_EQ(rig.sessions->state_of(rig.newest()).transport(), v1::TRANSPORT_UDP);
   rig.sessions->close("s1");
   rig.tick(300);
-  EXPECT_EQ(rig.sessions->state_of(rig.newest()).carrier, server::Carrier::kNone);
+  EXPECT_EQ(rig.sessions->state_of(rig.newest()).transport(), v1::TRANSPORT_UNSPECIFIED);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "server/state/device_message.hpp"
+#include "server/owner/state/device_message.hpp"
 #include "tests/server/owner/scene/scene_run.hpp"
 #include "tests/server/owner/scene/scene_text.hpp"
 

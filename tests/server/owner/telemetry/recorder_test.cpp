@@ -20,7 +20,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/replay/replay.hpp"
-#include "server/crossing/state_record.hpp"
+#include "server/owner/state/state_message.hpp"
 #include "tests/server/support/device_rig.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -75,6 +75,15 @@ double number(const std::string& text) {
   return value;
 }
 
+/// As the owner has it, without carrier and lease.
+Recorder::StateOf states() {
+  return [state = std::make_shared<haptic::v1::DeviceState>()](
+             const TickRecord& record) -> const haptic::v1::DeviceState& {
+    haptic::server::write({record}, *state);
+    return *state;
+  };
+}
+
 #define EXPECT_SAME_BITS(text, expected)                                                        \
   EXPECT_EQ(std::bit_cast<std::uint64_t>(number(text)), std::bit_cast<std::uint64_t>(expected)) \
       << (text) << " and " << (expected)
@@ -118,7 +127,7 @@ TEST(Recorder, HeaderHasEveryFieldOfState) {
 TEST(Recorder, TrackersPoseInUseIsRecorded) {
   const TemporaryFile file;
   {
-    Recorder recorder(emptied(file), rig_config().kinematics);
+    Recorder recorder(emptied(file), *rig_config().kinematics, states());
     TickRecord record;
     recorder.on_record(record);
     record.sensed.q = haptic::core::VecQ::Zero(2);
@@ -139,11 +148,12 @@ TEST(Recorder, TrackersPoseInUseIsRecorded) {
 TEST(Recorder, CarrierAndLeaseAreRecorded) {
   const TemporaryFile file;
   {
-    Recorder recorder(
-        emptied(file), rig_config().kinematics, nullptr, [](const TickRecord& record) {
-          return haptic::server::state_record(record, haptic::server::Carrier::kUdp, 9);
-        });
-    recorder.on_record({});
+    const TickRecord record;
+    haptic::v1::DeviceState state;
+    haptic::server::write({record, haptic::server::Carrier::kUdp, 9}, state);
+    Recorder recorder(emptied(file), *rig_config().kinematics,
+                      [&](const TickRecord&) -> const haptic::v1::DeviceState& { return state; });
+    recorder.on_record(record);
   }
   auto row = read_csv(file.path()).at(0);
   EXPECT_EQ(row["transport"], "UDP");
@@ -158,7 +168,7 @@ TEST(Recorder, NumbersReadBackExactly) {
     void on_record(const TickRecord& record) override { records.push_back(record); }
   } keeper;
   {
-    Recorder recorder(emptied(file), rig_config().kinematics);
+    Recorder recorder(emptied(file), *rig_config().kinematics, states());
     rig.telemetry->add(0, &keeper);
     rig.telemetry->add(0, &recorder);
     rig.control();
@@ -202,7 +212,7 @@ TEST(Recorder, NumbersReadBackExactly) {
 TEST(Recorder, EnergyColumnsAreEmptyWithoutTank) {
   const TemporaryFile file;
   {
-    Recorder recorder(emptied(file), rig_config().kinematics);
+    Recorder recorder(emptied(file), *rig_config().kinematics, states());
     TickRecord record;
     recorder.on_record(record);
     record.effort.passivity.on = true;
@@ -243,7 +253,7 @@ TickRecord record_with_everything() {
 TEST(Recorder, NamesStatesLevelsFaultsAndLimiters) {
   const TemporaryFile file;
   {
-    Recorder recorder(emptied(file), rig_config().kinematics);
+    Recorder recorder(emptied(file), *rig_config().kinematics, states());
     recorder.on_record(record_with_everything());
   }
   auto row = read_csv(file.path()).at(0);
@@ -268,7 +278,8 @@ TEST(Recorder, FullDiskEndsOnlyTheRecording) {
     std::size_t records{0};
     void on_record(const TickRecord& /*record*/) override { ++records; }
   } after;
-  Recorder recorder({"/dev/full", ::open("/dev/full", O_WRONLY)}, rig_config().kinematics);
+  Recorder recorder({"/dev/full", ::open("/dev/full", O_WRONLY)}, *rig_config().kinematics,
+                    states());
   rig.telemetry->add(0, &recorder);
   rig.telemetry->add(0, &after);
   rig.control();
@@ -294,7 +305,7 @@ TEST(Recorder, ReplayedDevicePlaysARecording) {
   const TemporaryFile file;
   {
     DeviceRig rig;
-    Recorder recorder(emptied(file), rig_config().kinematics);
+    Recorder recorder(emptied(file), *rig_config().kinematics, states());
     rig.telemetry->add(0, &recorder);
     rig.tick(10);
     rig.telemetry->remove(0, &recorder);

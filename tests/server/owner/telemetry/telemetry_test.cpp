@@ -53,7 +53,6 @@ TEST(Telemetry, DeliversRecordsInOrderThenNewest) {
   rig.telemetry->remove(0, &listener);
   EXPECT_EQ(listener.ticks, (std::vector<std::uint64_t>{1, 2, 3, 4}));
   EXPECT_EQ(listener.newest, (std::vector<std::uint64_t>{3, 4}));
-  EXPECT_EQ(rig.telemetry->newest(0).beat.tick, 4u);
 }
 
 TEST(Telemetry, ListenersAreCalledInTheirOrder) {
@@ -152,7 +151,7 @@ TEST(Telemetry, OneBellPerTickIsEnough) {
     tick(rig, 1);
     rig.telemetry->bell().ring();
     // The drain must hear of every tick by its one bell, however the two threads interleave.
-    while (rig.telemetry->newest(0).beat.tick != i) std::this_thread::yield();
+    while (rig.newest().beat.tick != i) std::this_thread::yield();
   }
   rig.telemetry->stop();
 }

@@ -12,7 +12,7 @@ namespace {
 using test::DeviceRig;
 
 struct MeteredRig : DeviceRig {
-  MeteredRig() { owner->connect(metrics); }
+  MeteredRig() { owner->count_into(metrics); }
   [[nodiscard]] TickTotals totals() const { return metrics->totals(0); }
   std::shared_ptr<TickMetrics> metrics{std::make_shared<TickMetrics>(1)};
 };
@@ -57,13 +57,13 @@ TEST(TickMetrics, CountsTicksOnceAgesWithProxy) {
 
 TEST(TickMetrics, AgeIsTheNewestSamples) {
   TickMetrics metrics(1);
-  StateRecord state;
-  metrics.on_tick(0, state);
+  core::TickRecord record;
+  metrics.count(0, {record});
   EXPECT_EQ(all(metrics.totals(0).sample_age), 0u) << "no sample came so far";
-  state.sample_seq = 1;
+  record.input.device.sample.seq = 1;
   for (const int age_us : {1600, 2600}) {
-    state.sample_age = std::chrono::microseconds(age_us);
-    metrics.on_tick(0, state);
+    record.input.now = record.input.device.sample.time + std::chrono::microseconds(age_us);
+    metrics.count(0, {record});
   }
   const auto age = metrics.totals(0).sample_age;
   EXPECT_EQ(all(age), 2u);
@@ -73,39 +73,37 @@ TEST(TickMetrics, AgeIsTheNewestSamples) {
 TEST(TickMetrics, FaultCountsOnceWhenItLatches) {
   MeteredRig rig;
   rig.tick(5);
-  StateRecord state;
-  state.faults.set(core::Fault::kEmergencyStop);
-  for (int i = 0; i < 10; ++i) rig.metrics->on_tick(0, state);
-  state.faults = {};
-  rig.metrics->on_tick(0, state);
-  state.faults.set(core::Fault::kEmergencyStop);
-  rig.metrics->on_tick(0, state);
+  core::TickRecord record;
+  record.life.faults.set(core::Fault::kEmergencyStop);
+  for (int i = 0; i < 10; ++i) rig.metrics->count(0, {record});
+  record.life.faults = {};
+  rig.metrics->count(0, {record});
+  record.life.faults.set(core::Fault::kEmergencyStop);
+  rig.metrics->count(0, {record});
   EXPECT_EQ(rig.totals().faults[static_cast<std::size_t>(core::Fault::kEmergencyStop)], 2u);
   EXPECT_EQ(rig.totals().faults[static_cast<std::size_t>(core::Fault::kLoopLate)], 0u);
 }
 
 TEST(TickMetrics, LimiterCountsEveryActiveTick) {
   MeteredRig rig;
-  StateRecord state;
-  state.limiters.set(core::Limiter::kSlew);
-  for (int i = 0; i < 10; ++i) rig.metrics->on_tick(0, state);
+  core::TickRecord record;
+  record.effort.limiters.set(core::Limiter::kSlew);
+  for (int i = 0; i < 10; ++i) rig.metrics->count(0, {record});
   EXPECT_EQ(rig.totals().limited[static_cast<std::size_t>(core::Limiter::kSlew)], 10u);
   EXPECT_EQ(rig.totals().limited[static_cast<std::size_t>(core::Limiter::kSaturation)], 0u);
 }
 
 TEST(TickMetrics, CarrierChangeCountsWithinALease) {
   TickMetrics metrics(1);
-  StateRecord state{.dt = std::chrono::milliseconds(1),
-                    .lease_held = true,
-                    .tenure = 1,
-                    .carrier = Carrier::kGrpc};
-  for (int i = 0; i < 3; ++i) metrics.on_tick(0, state);
-  state.carrier = Carrier::kUdp;
-  for (int i = 0; i < 5; ++i) metrics.on_tick(0, state);
+  core::TickRecord record;
+  record.beat.dt = std::chrono::milliseconds(1);
+  record.input.command.lease_held = true;
+  record.input.command.tenure = 1;
+  for (int i = 0; i < 3; ++i) metrics.count(0, {record, Carrier::kGrpc});
+  for (int i = 0; i < 5; ++i) metrics.count(0, {record, Carrier::kUdp});
   EXPECT_EQ(metrics.totals(0).carrier_changes, 1u);
-  state.tenure = 2;
-  state.carrier = Carrier::kGrpc;
-  metrics.on_tick(0, state);
+  record.input.command.tenure = 2;
+  metrics.count(0, {record, Carrier::kGrpc});
   EXPECT_EQ(metrics.totals(0).carrier_changes, 1u);
   EXPECT_NEAR(metrics.totals(0).carrier_s[1], 0.004, 1e-12);
   EXPECT_NEAR(metrics.totals(0).carrier_s[2], 0.005, 1e-12);

@@ -45,6 +45,10 @@ class Ring {
     if (tail == head_.load(std::memory_order_acquire)) return nullptr;
     return &slots_[tail & mask_];
   }
+  /// Reader's thread only, while there is a front(): whether no value came after it yet.
+  [[nodiscard]] bool last() const noexcept {
+    return tail_.load(std::memory_order_relaxed) + 1 == head_.load(std::memory_order_acquire);
+  }
   void pop() noexcept {
     tail_.store(tail_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }

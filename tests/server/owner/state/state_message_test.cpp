@@ -1,9 +1,8 @@
-#include "server/state/state_message.hpp"
+#include "server/owner/state/state_message.hpp"
 
 #include <gtest/gtest.h>
 
 #include "haptic/schema/fields.hpp"
-#include "server/crossing/state_record.hpp"
 #include "tests/server/support/device_rig.hpp"
 
 namespace haptic::server {
@@ -45,12 +44,13 @@ core::TickRecord full_record() {
 }
 
 TEST(StateMessage, SetsEveryField) {
-  StateMessage message;
   core::TickRecord tracked;
   tracked.sensed.tracker = {true, 0, 1, core::Staleness::kFresh, std::chrono::milliseconds(1)};
   tracked.sensed.q = tracked.input.device.sample.q = VecQ::Zero(6);
-  v1::DeviceState state = StateMessage().write(state_record(tracked));
-  state.MergeFrom(message.write(state_record(full_record(), Carrier::kUdp, 1)));
+  v1::DeviceState state, full;
+  write({tracked}, state);
+  write({full_record(), Carrier::kUdp, 1}, full);
+  state.MergeFrom(full);
   for (const schema::Leaf& leaf : schema::leaves(*v1::DeviceState::descriptor())) {
     const auto* const holder = schema::holder(state, leaf);
     ASSERT_NE(holder, nullptr) << leaf.name;
@@ -62,9 +62,56 @@ TEST(StateMessage, SetsEveryField) {
 }
 
 TEST(StateMessage, ForgetsTheRecordBefore) {
-  StateMessage message;
-  static_cast<void>(message.write(state_record(full_record(), Carrier::kUdp, 1)));
-  EXPECT_EQ(message.write({}).SerializeAsString(), StateMessage().write({}).SerializeAsString());
+  const core::TickRecord none;
+  v1::DeviceState state, fresh;
+  write({full_record(), Carrier::kUdp, 1}, state);
+  write({none}, state);
+  write({none}, fresh);
+  EXPECT_EQ(state.SerializeAsString(), fresh.SerializeAsString());
+}
+
+TEST(StateMessage, SaysWhatTheRecordSays) {
+  core::TickRecord r = full_record();
+  r.beat.tick = 77;
+  r.input.now = core::TimePoint(std::chrono::seconds(3));
+  r.life.gain = 0.5;
+  r.proxy.age = std::chrono::nanoseconds(3999);
+  r.anchor.active_planes = 5;
+  r.effort.passivity.tank = 0.003;
+  v1::DeviceState state;
+  write({r, Carrier::kUdp, 7}, state);
+  EXPECT_EQ(state.seq(), 77U);
+  EXPECT_EQ(state.server_time_ns(), 3'000'000'000);
+  EXPECT_EQ(state.state(), v1::DEVICE_STATE_NAME_ENGAGED);
+  EXPECT_EQ(state.transport(), v1::TRANSPORT_UDP);
+  EXPECT_EQ(state.lease_epoch(), 7U);
+  EXPECT_EQ(state.proxy_age_us(), 3U);
+  EXPECT_EQ(state.active_planes(), 5U);
+  EXPECT_EQ(state.passivity().tank(), 0.003);
+  EXPECT_EQ(state.stiffness_in_effect(0), 40.0) << "half of what derating leaves";
+  EXPECT_EQ(state.reading(0), 9.0);
+  r.derating.reason = core::DeratingReason::kNone;
+  r.input.device.sample.q = r.sensed.q;
+  r.effort.passivity.on = false;
+  write({r}, state);
+  EXPECT_EQ(state.stiffness_in_effect(0), 50.0) << "half of the settings'";
+  EXPECT_EQ(state.reading_size(), 0) << "it was not refused";
+  EXPECT_FALSE(state.has_passivity());
+}
+
+TEST(StateMessage, CrossesWithWhatAFrontNeeds) {
+  const core::TickRecord r = full_record();
+  v1::DeviceState state, crossed;
+  write({r}, state);
+  SerialisedState serialised;
+  serialise(r, state, serialised);
+  EXPECT_EQ(serialised.tick, 1U);
+  EXPECT_EQ(serialised.now, r.input.now);
+  EXPECT_TRUE(serialised.proxy_used);
+  EXPECT_EQ(serialised.proxy_age, r.proxy.age);
+  const auto bytes = serialised.message();
+  ASSERT_TRUE(crossed.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())));
+  EXPECT_EQ(crossed.SerializeAsString(), state.SerializeAsString());
 }
 
 }  // namespace

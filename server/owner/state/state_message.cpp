@@ -1,7 +1,8 @@
-#include "server/state/state_message.hpp"
+#include "server/owner/state/state_message.hpp"
 
 #include <algorithm>
 
+#include "haptic/core/error.hpp"
 #include "haptic/schema/fields.hpp"
 
 namespace haptic::server {
@@ -21,6 +22,18 @@ std::size_t largest_value(const google::protobuf::FieldDescriptor& field) {
 }
 
 }  // namespace
+
+void serialise(const core::TickRecord& record, const v1::DeviceState& state, SerialisedState& to) {
+  to.size = static_cast<std::uint32_t>(state.ByteSizeLong());
+  if (to.size > SerialisedState::kMost) to.size = 0;  // Owner::add() refused such a device
+  to.tenure = record.input.command.tenure;
+  to.tick = record.beat.tick;
+  to.now = record.input.now;
+  to.proxy_age = record.proxy.age;
+  to.lease_held = record.input.command.lease_held;
+  to.proxy_used = record.proxy.mode != core::ProxyMode::kNone;
+  if (to.size > 0) state.SerializeWithCachedSizesToArray(to.bytes.data());
+}
 
 std::size_t largest_state(const core::PipelineConfig& config) {
   const core::DofLayout& layout = config.kinematics->layout();

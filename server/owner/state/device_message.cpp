@@ -1,6 +1,6 @@
-#include "server/state/device_message.hpp"
+#include "server/owner/state/device_message.hpp"
 
-#include "server/state/drawing_message.hpp"
+#include "server/owner/state/drawing_message.hpp"
 
 namespace haptic::server {
 namespace {

@@ -1,8 +1,8 @@
-#include "server/state/drawing_message.hpp"
+#include "server/owner/state/drawing_message.hpp"
 
 #include <gtest/gtest.h>
 
-#include "server/state/device_message.hpp"
+#include "server/owner/state/device_message.hpp"
 #include "tests/core/model/drawn_frames.hpp"
 #include "tests/core/model/sample_hands.hpp"
 #include "tests/server/owner/scene/scene_text.hpp"

@@ -1,4 +1,4 @@
-#include "server/state/drawing_message.hpp"
+#include "server/owner/state/drawing_message.hpp"
 
 namespace haptic::server {
 namespace {

@@ -70,7 +70,7 @@ std::vector<std::string> FrontApp::addresses() const {
   return server_->bound_addresses();
 }
 
-/// In the order of RpcServer::dropped_datagrams(); last the connections that were cut.
+/// In the order of FrontServer::dropped_datagrams(); last the connections that were cut.
 FrontCounters FrontApp::counted() const {
   FrontCounters own{};
   const auto dropped = server_->dropped_datagrams();

@@ -60,7 +60,7 @@ class App {
   /// `make_front`: called by start() when the owner stands.
   App(Scene scene, AppOptions options, MakeFront make_front);
   /// stop().
-  virtual ~App();
+  ~App();
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 

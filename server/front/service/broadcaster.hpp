@@ -1,5 +1,5 @@
 #pragma once
-/// From the telemetry drain to the streams of one device: the controller first, then all others as
+/// From the owner link to the streams of one device: the controller first, then all others as
 /// far as the budget reaches.
 
 #include <memory>
@@ -12,7 +12,7 @@
 namespace haptic::server {
 
 /// States per second that all streams of a device but its controller's may cost: a bucket that time
-/// refills. One thread, the telemetry drain's.
+/// refills. One thread, the owner link's.
 class WatchBudget {
  public:
   explicit WatchBudget(double states_per_second) : rate_(states_per_second) {}
@@ -32,7 +32,7 @@ class WatchBudget {
 class Subscriber {
  public:
   virtual ~Subscriber() = default;
-  /// On the drain's thread, once per emptied ring. Sends what is due and never blocks. True if a
+  /// On the owner link's thread, once per new state. Sends what is due and never blocks. True if a
   /// state was sent. `states_allowed` false: everything but a state.
   virtual bool offer(const SerialisedState& state, StateFrame& frame, bool states_allowed) = 0;
   /// On the same thread: its lease has ended, and it is one of the others now.
@@ -49,7 +49,7 @@ class Broadcaster {
   void add(std::shared_ptr<Subscriber> subscriber, std::uint32_t tenure = 0);
   void remove(const Subscriber* subscriber);
 
-  /// The drain's thread.
+  /// The owner link's thread.
   void on_newest(const SerialisedState& state);
 
  private:

@@ -57,7 +57,7 @@ class Front : public FrontPort {
   [[nodiscard]] Outcome<std::size_t> device(const std::string& name) const;
 
   /// Posts `request` under an id, which is the answer. `answered` is called once, at once or later
-  /// on the telemetry drain's thread, unless the request is cancelled; it must not block.
+  /// on the owner link's thread, unless the request is cancelled; it must not block.
   std::uint64_t ask(Request request, Answered answered);
   /// Posts a request that has no answer.
   void tell(const Request& request) { owner_.post(request); }

@@ -27,14 +27,19 @@ void require_right(const char* wrong, const std::string& where) {
   if (wrong != nullptr) throw SceneError(where + ": " + wrong);
 }
 
-void require_entries(const VecA& values, int n_a, const char* name, double lowest) {
+/// `highest`: as many as the values.
+void require_entries(const VecA& values, int n_a, const char* name, double lowest,
+                     const VecA* highest = nullptr) {
   require(values.size() == n_a, std::string(name) + " has " + std::to_string(values.size()) +
                                     " values: must have one per actuated DoF, " +
                                     std::to_string(n_a));
   for (int i = 0; i < n_a; ++i) {
+    const std::string value = std::string(name) + "[" + std::to_string(i) +
+                              "] = " + std::to_string(values[i]) + ": must be finite and ";
     require(std::isfinite(values[i]) && values[i] >= lowest,
-            std::string(name) + "[" + std::to_string(i) + "] = " + std::to_string(values[i]) +
-                ": must be finite and >= " + std::to_string(lowest));
+            value + ">= " + std::to_string(lowest));
+    if (highest == nullptr) continue;
+    require(values[i] <= (*highest)[i], value + "<= " + std::to_string((*highest)[i]));
   }
 }
 
@@ -66,14 +71,9 @@ PipelineConfig checked(PipelineConfig config) {
   const RenderSettings& scene = config.scene;
   require_entries(scene.stiffness, n_a, "stiffness", 0.0);
   require_entries(scene.damping, n_a, "damping", 0.0);
-  require_entries(scene.force_limit, n_a, "force_limit", 0.0);
+  require_entries(scene.force_limit, n_a, "force_limit", 0.0, &device.max_effort);
   require_entries(scene.slew_limit, n_a, "slew_limit", 0.0);
   require_entries(scene.engage_window, n_a, "engage_window", 0.0);
-  for (int i = 0; i < n_a; ++i) {
-    require(scene.force_limit[i] <= device.max_effort[i],
-            "force_limit[" + std::to_string(i) + "] = " + std::to_string(scene.force_limit[i]) +
-                ": the device allows at most " + std::to_string(device.max_effort[i]));
-  }
   require_right(check(scene.staleness), "staleness");
   require(
       config.projection.coupling == nullptr || renders_Z_q(scene.renderer),

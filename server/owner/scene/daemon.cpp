@@ -67,10 +67,9 @@ std::vector<std::string> read_addresses(
   for (std::size_t i = 0; i < addresses.size(); ++i) {
     const std::string& address = addresses[i];
     if (const std::string why = address_problem(address); !why.empty()) {
-      part.wrong(entry("listen", i), quoted(address), why);
+      part.wrong({"listen", i}, quoted(address), why);
     } else if (!any_port(address) && !taken.insert(address).second) {
-      part.wrong(entry("listen", i), quoted(address),
-                 "must be another: this one is listed already");
+      part.wrong({"listen", i}, quoted(address), "must be another: this one is listed already");
     }
   }
   return addresses;

@@ -77,11 +77,8 @@ std::vector<core::ForceLoopGains> read_server(const Part<v1::ServerForceLoopScen
   if (!part.good() || output.size() != n_a) return loops;
   for (Eigen::Index i = 0; i < n_a; ++i) {
     loops.push_back({proportional[i], integral[i], friction[i], band[i], output[i]});
-    if (i < effort.size() && output[i] > effort[i]) {
-      part.wrong(entry("output_limit_n", static_cast<std::size_t>(i)), decimal(output[i]),
-                 "must be at most what the device can give, " + decimal(effort[i]));
-    }
   }
+  check_within_effort(part, "output_limit_n", output, effort);
   return loops;
 }
 
@@ -131,13 +128,11 @@ std::vector<core::AdmittanceParameters> read_admittance(const Part<v1::Admittanc
     admittances.push_back({mass[i], damping[i], rate[i], lower[i], upper[i]});
     const std::string whose = std::string(travel[k].whose) + ", ";
     if (lower[i] < begin[i]) {
-      part.wrong(entry("lower", k), decimal(lower[i]),
-                 "must be at least " + whose + decimal(begin[i]));
+      part.wrong({"lower", k}, decimal(lower[i]), "must be at least " + whose + decimal(begin[i]));
     } else if (upper[i] > end[i]) {
-      part.wrong(entry("upper", k), decimal(upper[i]),
-                 "must be at most " + whose + decimal(end[i]));
+      part.wrong({"upper", k}, decimal(upper[i]), "must be at most " + whose + decimal(end[i]));
     } else if (lower[i] >= upper[i]) {
-      part.wrong(entry("lower", k), decimal(lower[i]), "must be below upper, " + decimal(upper[i]));
+      part.wrong({"lower", k}, decimal(lower[i]), "must be below upper, " + decimal(upper[i]));
     }
   }
   return admittances;

@@ -1,7 +1,9 @@
 // --set: see apply_override() in text.hpp.
 #include <google/protobuf/stubs/strutil.h>
 
+#include <algorithm>
 #include <memory>
+#include <regex>
 #include <vector>
 
 #include "haptic/core/error.hpp"
@@ -17,6 +19,25 @@ using google::protobuf::Message;
 
 [[noreturn]] void refuse(const std::string& why) {
   throw core::SceneError(why);
+}
+
+/// Of the form name or name[number], the number with at most six digits.
+FieldStep step_of(const std::string& word) {
+  static const std::regex form(R"((\w{1,64})(\[(\d{1,6})\])?)");
+  std::smatch parts;
+  if (!std::regex_match(word, parts, form)) refuse("'" + word + "': must be name or name[number]");
+  return parts[3].matched ? FieldStep(parts[1], std::stoul(parts[3])) : FieldStep(parts[1].str());
+}
+
+/// At least one step, whatever the text.
+FieldPath path_of(const std::string& text) {
+  FieldPath steps;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t dot = std::min(text.find('.', from), text.size());
+    steps.push_back(step_of(text.substr(from, dot - from)));
+    from = dot + 1;
+  }
+  return steps;
 }
 
 std::string wanted(const FieldDescriptor& field) {
@@ -38,7 +59,6 @@ std::string wanted(const FieldDescriptor& field) {
 }
 
 const FieldDescriptor& find(const Message& message, const FieldStep& step) {
-  if (!step.well_formed) refuse("'" + step.text + "': must be name or name[number]");
   const google::protobuf::Descriptor& type = *message.GetDescriptor();
   const FieldDescriptor* field = type.FindFieldByName(step.name);
   if (field == nullptr) {
@@ -47,11 +67,11 @@ const FieldDescriptor& find(const Message& message, const FieldStep& step) {
   }
   if (step.index < 0) return *field;
   if (!field->is_repeated()) {
-    refuse("'" + step.text + "': " + step.name + " is no list, leave the index out");
+    refuse("'" + text({step}) + "': " + step.name + " is no list, leave the index out");
   }
   const int size = message.GetReflection()->FieldSize(message, field);
   if (step.index > size) {
-    refuse("'" + step.text + "': the list has " + std::to_string(size) + "; " + step.name + "[" +
+    refuse("'" + text({step}) + "': the list has " + std::to_string(size) + "; " + step.name + "[" +
            std::to_string(size) + "] would append");
   }
   return *field;
@@ -61,11 +81,11 @@ const FieldDescriptor& find(const Message& message, const FieldStep& step) {
 Message& descend(Message& message, const FieldStep& step) {
   const FieldDescriptor& field = find(message, step);
   if (field.message_type() == nullptr)
-    refuse("'" + step.text + "': is a value, it has no fields of its own");
+    refuse("'" + text({step}) + "': is a value, it has no fields of its own");
   const google::protobuf::Reflection& reflection = *message.GetReflection();
   if (!field.is_repeated()) return *reflection.MutableMessage(&message, &field);
   if (step.index < 0) {
-    refuse("'" + step.text + "': is a list, say which one: " + step.name + "[0]");
+    refuse("'" + text({step}) + "': is a list, say which one: " + step.name + "[0]");
   }
   if (step.index == reflection.FieldSize(message, &field)) {
     return *reflection.AddMessage(&message, &field);
@@ -116,19 +136,18 @@ void assign(Message& message, const FieldStep& step, const std::string& value) {
 
 }  // namespace
 
-std::string apply_override(const std::string& assignment, v1::Scene& scene) {
+FieldPath apply_override(const std::string& assignment, v1::Scene& scene) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0) {
     refuse("must be path=value, as in loop.priority=50");
   }
-  std::string path = assignment.substr(0, equals);
-  const std::vector<FieldStep> steps = split_path(path);
+  const FieldPath steps = path_of(assignment.substr(0, equals));
   v1::Scene changed = scene;
   Message* message = &changed;
   for (std::size_t i = 0; i + 1 < steps.size(); ++i) message = &descend(*message, steps[i]);
   assign(*message, steps.back(), assignment.substr(equals + 1));
   scene = std::move(changed);
-  return path;
+  return steps;
 }
 
 }  // namespace haptic::server

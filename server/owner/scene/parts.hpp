@@ -84,5 +84,14 @@ void read_passivity(const Part<v1::PassivityScene>& part, DeviceScene& device);
 [[nodiscard]] inline core::VecA effort_of(const DeviceScene& device) {
   return device.source ? device.source->effort() : core::VecA{};
 }
+/// Reports each of `forces`, the values of `field`, that is above what the device can give.
+inline void check_within_effort(const Fields& part, const char* field, const core::VecA& forces,
+                                const core::VecA& effort) {
+  for (Eigen::Index i = 0; i < std::min(forces.size(), effort.size()); ++i) {
+    if (forces[i] <= effort[i]) continue;
+    part.wrong({field, static_cast<std::size_t>(i)}, decimal(forces[i]),
+               "must be at most what the device can give, " + decimal(effort[i]));
+  }
+}
 
 }  // namespace haptic::server

@@ -91,20 +91,22 @@ std::vector<std::string> passivity_warnings(const Scene& scene) {
     const core::PipelineConfig& device = scene.devices[d].pipeline;
     const core::RenderSettings& settings = device.scene;
     const core::VecA b = scene.devices[d].source->own_dynamics(device.kinematics->layout()).damping;
-    const std::string impedance = entry("device", d) + ".impedance.";
+    const auto at = [d](const FieldStep& field) {
+      return text({{"device", d}, "impedance", field});
+    };
     if (b.size() > 0 && device.projection.coupling) {
       const double share = share_of_damping(device, b, T);
       if (share <= 1.0) continue;
-      warnings.push_back(
-          impedance + "stiffness_matrix: in its stiffest direction " + decimal(share) +
-          " times 2 (b - B) / T (the device's damping b, rendered damping B, " + period);
+      warnings.push_back(at("stiffness_matrix") + ": in its stiffest direction " + decimal(share) +
+                         " times 2 (b - B) / T (the device's damping b, rendered damping B, " +
+                         period);
       continue;
     }
     for (Eigen::Index i = 0; i < b.size(); ++i) {
       const double highest = std::max(0.0, 2.0 * (b[i] - settings.damping[i]) / T);
       if (settings.stiffness[i] <= highest) continue;
-      warnings.push_back(impedance + entry("stiffness_n_per_m", static_cast<std::size_t>(i)) +
-                         " = " + decimal(settings.stiffness[i]) + ": is above " + decimal(highest) +
+      warnings.push_back(at({"stiffness_n_per_m", static_cast<std::size_t>(i)}) + " = " +
+                         decimal(settings.stiffness[i]) + ": is above " + decimal(highest) +
                          " = 2 (b - B) / T (the device's damping b = " + decimal(b[i]) +
                          ", rendered damping B = " + decimal(settings.damping[i]) + ", " + period);
     }

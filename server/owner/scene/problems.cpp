@@ -24,51 +24,44 @@ int line_in(const Problems::Tree& tree, const FieldDescriptor& field, int index)
   return (own >= 0 || field.message_type() != nullptr ? own : tree.GetLocation(&field, 0).line) + 1;
 }
 
-FieldStep step_of(const std::string& text) {
-  static const std::regex form(R"((\w{1,64})(\[(\d{1,6})\])?)");
-  std::smatch parts;
-  const bool well_formed = std::regex_match(text, parts, form);
-  FieldStep step{text, text.substr(0, text.find('[')), -1, well_formed};
-  if (well_formed && parts[3].matched) step.index = std::stoi(parts[3]);
-  return step;
-}
-
-/// Is `inner` the field `outer` itself, or inside it?
-bool stands_within(const std::string& inner, const std::string& outer) {
-  if (inner.compare(0, outer.size(), outer) != 0) return false;
-  return inner.size() == outer.size() || inner[outer.size()] == '.' || inner[outer.size()] == '[';
+/// `inner` is the field `outer` itself, or inside it.
+bool stands_within(const FieldPath& inner, const FieldPath& outer) {
+  if (inner.size() < outer.size()) return false;
+  return std::equal(outer.begin(), outer.end(), inner.begin(),
+                    [](const FieldStep& o, const FieldStep& i) {
+                      return o.name == i.name && (o.index < 0 || o.index == i.index);
+                    });
 }
 
 }  // namespace
 
-std::vector<FieldStep> split_path(const std::string& path) {
-  std::vector<FieldStep> steps;
-  for (std::size_t from = 0; from <= path.size();) {
-    const std::size_t dot = std::min(path.find('.', from), path.size());
-    steps.push_back(step_of(path.substr(from, dot - from)));
-    from = dot + 1;
+std::string text(const FieldPath& path) {
+  std::string all;
+  for (const FieldStep& step : path) {
+    all += (all.empty() ? "" : ".") + step.name;
+    if (step.index >= 0) all += "[" + std::to_string(step.index) + "]";
   }
-  return steps;
+  return all;
 }
 
 /// The field's line, or that of the nearest message around it that is in the file.
-std::string Problems::place_of(const std::string& path) const {
+std::string Problems::place_of(const FieldPath& path) const {
   const auto overridden = [&](auto&& by) {
     return std::any_of(overrides_.begin(), overrides_.end(), by);
   };
-  if (overridden([&](const std::string& set) { return stands_within(path, set); })) {
+  if (overridden([&](const FieldPath& set) { return stands_within(path, set); })) {
     return "--set: ";
   }
   const google::protobuf::Descriptor* type = &root_;
   const Tree* tree = &tree_;
   int line = 0;
-  std::string walked;
-  for (const FieldStep& step : split_path(path)) {
-    walked += (walked.empty() ? "" : ".") + step.text;
+  FieldPath walked;
+  for (const FieldStep& step : path) {
+    walked.push_back(step);
     const FieldDescriptor* field = type->FindFieldByName(step.name);
     const int own = field == nullptr ? 0 : line_in(*tree, *field, step.index);
     if (own == 0) {
-      if (overridden([&](const std::string& set) { return stands_within(set, walked); })) {
+      if (overridden([&](const FieldPath& set) { return stands_within(set, walked); })) {
         return "--set: ";
       }
       break;
@@ -83,12 +76,12 @@ std::string Problems::place_of(const std::string& path) const {
   return name_ + (line > 0 ? ":" + std::to_string(line) : "") + ": ";
 }
 
-void Problems::wrong(const std::string& path, const std::string& value, const std::string& rule) {
-  add(told() ? place_of(path) + path + " = " + value + ": " + rule : "");
+void Problems::wrong(const FieldPath& path, const std::string& value, const std::string& rule) {
+  add(told() ? place_of(path) + text(path) + " = " + value + ": " + rule : "");
 }
 
-void Problems::missing(const std::string& path, const std::string& rule) {
-  add(told() ? place_of(path) + path + ": is required: " + rule : "");
+void Problems::missing(const FieldPath& path, const std::string& rule) {
+  add(told() ? place_of(path) + text(path) + ": is required: " + rule : "");
 }
 
 void Problems::add(std::string line) {
@@ -124,10 +117,6 @@ std::string quoted(const std::string& text) {
 bool matches(const std::string& text, const std::string& pattern) {
   // std::regex needs stack for each character that it compares.
   return text.size() <= 1024 && std::regex_match(text, std::regex(pattern));
-}
-
-std::string entry(const std::string& list, std::size_t i) {
-  return list + "[" + std::to_string(i) + "]";
 }
 
 }  // namespace haptic::server

@@ -11,16 +11,21 @@
 
 namespace haptic::server {
 
-/// One step of a path such as "device[0].impedance.stiffness_n_per_m[0]".
+/// A field of a message, or one entry of a list.
 struct FieldStep {
-  std::string text{};      ///< as written: "device[0]"
-  std::string name{};      ///< "device"
-  int index{-1};           ///< -1: none given
-  bool well_formed{true};  ///< of the form name or name[number]
+  FieldStep(const char* field) : name(field) {}
+  FieldStep(std::string field) : name(std::move(field)) {}
+  FieldStep(std::string list, std::size_t entry)
+      : name(std::move(list)), index(static_cast<int>(entry)) {}
+
+  std::string name;
+  int index{-1};  ///< -1: the field as a whole
 };
 
-/// At least one step, whatever the text. An index has at most six digits.
-[[nodiscard]] std::vector<FieldStep> split_path(const std::string& path);
+/// From the scene inwards.
+using FieldPath = std::vector<FieldStep>;
+/// "device[0].impedance.stiffness_n_per_m[0]".
+[[nodiscard]] std::string text(const FieldPath& path);
 
 class Problems {
  public:
@@ -32,12 +37,12 @@ class Problems {
       : name_(std::move(name)), root_(root), tree_(tree) {}
 
   /// Fields at or below `path` come from the command line, not from the file.
-  void came_from_command_line(const std::string& path) { overrides_.push_back(path); }
+  void came_from_command_line(FieldPath path) { overrides_.push_back(std::move(path)); }
 
   /// "place: path = value: rule".
-  void wrong(const std::string& path, const std::string& value, const std::string& rule);
+  void wrong(const FieldPath& path, const std::string& value, const std::string& rule);
   /// "place: path: is required: rule". The place is the message that lacks it.
-  void missing(const std::string& path, const std::string& rule);
+  void missing(const FieldPath& path, const std::string& rule);
   /// A line that names its place itself.
   void add(std::string line);
   /// `n` problems that are counted, and not told.
@@ -52,12 +57,12 @@ class Problems {
 
  private:
   [[nodiscard]] bool told() const noexcept { return lines_.size() < kMostTold; }
-  [[nodiscard]] std::string place_of(const std::string& path) const;
+  [[nodiscard]] std::string place_of(const FieldPath& path) const;
 
   std::string name_;
   const google::protobuf::Descriptor& root_;
   const Tree& tree_;
-  std::vector<std::string> overrides_{};
+  std::vector<FieldPath> overrides_{};
   std::vector<std::string> lines_{};
   std::size_t count_{0};
 };
@@ -68,7 +73,5 @@ class Problems {
 [[nodiscard]] std::string quoted(const std::string& text);
 /// The whole text has the form of the regular expression, and at most 1024 bytes.
 [[nodiscard]] bool matches(const std::string& text, const std::string& pattern);
-/// Entry `i` of a list: "dof[3]".
-[[nodiscard]] std::string entry(const std::string& list, std::size_t i);
 
 }  // namespace haptic::server

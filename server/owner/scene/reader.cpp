@@ -43,7 +43,7 @@ bool is_valid(const google::protobuf::Duration& d) {
 
 }  // namespace
 
-Fields::Fields(google::protobuf::Message& message, std::string path,
+Fields::Fields(google::protobuf::Message& message, FieldPath path,
                const std::filesystem::path& folder, Problems& problems)
     : message_(message),
       path_(std::move(path)),
@@ -51,16 +51,17 @@ Fields::Fields(google::protobuf::Message& message, std::string path,
       problems_(problems),
       before_(problems.count()) {}
 
-std::string Fields::path(const std::string& field) const {
-  return path_ + (path_.empty() || field.empty() ? "" : ".") + field;
+FieldPath Fields::path(const FieldStep& field) const {
+  FieldPath whole = path_;
+  if (!field.name.empty()) whole.push_back(field);
+  return whole;
 }
 
-void Fields::wrong(const std::string& field, const std::string& value,
-                   const std::string& why) const {
+void Fields::wrong(const FieldStep& field, const std::string& value, const std::string& why) const {
   problems_.wrong(path(field), value, why);
 }
 
-void Fields::missing(const std::string& field, const std::string& why) const {
+void Fields::missing(const FieldStep& field, const std::string& why) const {
   problems_.missing(path(field), why);
 }
 
@@ -68,7 +69,7 @@ const FieldDescriptor& Fields::find(const std::string& field) const {
   return *message_.GetDescriptor()->FindFieldByName(field);
 }
 
-void Fields::check(const std::string& field, double value, Allowed allowed) const {
+void Fields::check(const FieldStep& field, double value, Allowed allowed) const {
   if (!holds(value, allowed)) wrong(field, decimal(value), rule(value, allowed));
 }
 
@@ -108,7 +109,7 @@ Fields::Numbers Fields::list(const ListField& field, const std::optional<Numbers
   Numbers values(entries.size());
   for (int i = 0; i < entries.size(); ++i) {
     values[i] = entries.Get(i);
-    check(entry(field.name, static_cast<std::size_t>(i)), values[i], field.allowed);
+    check({field.name, static_cast<std::size_t>(i)}, values[i], field.allowed);
   }
   if (entries.empty() && field.size != 0 && !fallback) missing(field.name, wanted);
   if (field.size < 0) return entries.size() <= core::kMaxQ ? values : Numbers();

@@ -52,15 +52,15 @@ class Fields {
 
   /// `path` is the message's: "device[0].impedance". Files are relative to `folder`. `message`,
   /// `folder` and `problems` must outlive this.
-  Fields(google::protobuf::Message& message, std::string path, const std::filesystem::path& folder,
+  Fields(google::protobuf::Message& message, FieldPath path, const std::filesystem::path& folder,
          Problems& problems);
 
   [[nodiscard]] Problems& problems() const noexcept { return problems_; }
   /// Nothing was reported since this was made.
   [[nodiscard]] bool good() const noexcept { return problems_.count() == before_; }
-  void wrong(const std::string& field, const std::string& value, const std::string& why) const;
-  void missing(const std::string& field, const std::string& why) const;
-  [[nodiscard]] std::string path(const std::string& field) const;
+  void wrong(const FieldStep& field, const std::string& value, const std::string& why) const;
+  void missing(const FieldStep& field, const std::string& why) const;
+  [[nodiscard]] FieldPath path(const FieldStep& field) const;
 
   /// The message in `field`, made if it is absent; those of a list.
   template <typename Child>
@@ -106,7 +106,7 @@ class Fields {
   /// The result of `make`. If that throws SceneError, the error is reported at `field`, and the
   /// result is empty.
   template <typename Make>
-  auto attempt(const std::string& field, const std::string& value, const Make& make) const
+  auto attempt(const FieldStep& field, const std::string& value, const Make& make) const
       -> decltype(make()) {
     try {
       return make();
@@ -121,9 +121,9 @@ class Fields {
 
  private:
   [[nodiscard]] const google::protobuf::FieldDescriptor& find(const std::string& field) const;
-  void check(const std::string& field, double value, Allowed allowed) const;
+  void check(const FieldStep& field, double value, Allowed allowed) const;
 
-  std::string path_;
+  FieldPath path_;
   const std::filesystem::path& folder_;
   Problems& problems_;
   std::size_t before_;
@@ -149,7 +149,7 @@ std::vector<Part<Child>> Fields::parts(const std::string& list) const {
   std::vector<Part<Child>> all;
   for (int i = 0; i < reflection.FieldSize(message_, &find(list)); ++i) {
     all.emplace_back(*reflection.MutableRepeatedMessage(&message_, &find(list), i),
-                     path(entry(list, static_cast<std::size_t>(i))), folder_, problems_);
+                     path({list, static_cast<std::size_t>(i)}), folder_, problems_);
   }
   return all;
 }

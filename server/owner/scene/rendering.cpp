@@ -139,11 +139,7 @@ void read_impedance(const Part<v1::ImpedanceScene>& part, int n_a, core::Pipelin
 void read_limits(const Fields& part, int n_a, const core::VecA& effort,
                  core::RenderSettings& settings) {
   settings.force_limit = part.per_actuated("force_n", Allowed::kPositive, n_a);
-  for (Eigen::Index i = 0; i < std::min(settings.force_limit.size(), effort.size()); ++i) {
-    if (settings.force_limit[i] <= effort[i]) continue;
-    part.wrong(entry("force_n", static_cast<std::size_t>(i)), decimal(settings.force_limit[i]),
-               "must be at most what the device can give, " + decimal(effort[i]));
-  }
+  check_within_effort(part, "force_n", settings.force_limit, effort);
   const Fields::Numbers force =
       part.good() ? Fields::Numbers(settings.force_limit) : Fields::Numbers();
   settings.slew_limit =
@@ -164,8 +160,9 @@ void check_coupling(const Fields& part, const core::PipelineConfig& pipeline) {
                "diagonal: the others have a virtual stiffness of their own");
   }
   if (!pipeline.kinematics) return;
-  part.attempt("impedance.stiffness_matrix", "{ not diagonal }",
-               [&] { core::check_coupling(*pipeline.kinematics, *coupling); });
+  part.part<v1::ImpedanceScene>("impedance").attempt("stiffness_matrix", "{ not diagonal }", [&] {
+    core::check_coupling(*pipeline.kinematics, *coupling);
+  });
 }
 
 }  // namespace

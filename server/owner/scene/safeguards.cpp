@@ -46,7 +46,7 @@ std::vector<std::string> safeguard_warnings(const Scene& scene) {
   std::vector<std::string> warnings;
   for (std::size_t d = 0; d < scene.devices.size(); ++d) {
     const core::PipelineConfig& device = scene.devices[d].pipeline;
-    const std::string unguarded = entry("device", d) + ".unguarded: ";
+    const std::string unguarded = text({{"device", d}, "unguarded"}) + ": ";
     if (!device.scene.direction_guard) {
       warnings.push_back(unguarded +
                          "no direction_guard: force may push the user into a contact, unless the "
@@ -55,8 +55,8 @@ std::vector<std::string> safeguard_warnings(const Scene& scene) {
     if (!device.passivity.tank.enabled) {
       warnings.push_back(unguarded + "no passivity.tank: nothing bounds the energy given out");
     } else if (device.passivity.tank.initial > kMuch) {
-      warnings.push_back(entry("device", d) + ".passivity.tank.initial_j: the force may give out " +
-                         decimal(device.passivity.tank.initial) +
+      warnings.push_back(text({{"device", d}, "passivity", "tank", "initial_j"}) +
+                         ": the force may give out " + decimal(device.passivity.tank.initial) +
                          " J after every Engage; a stiffer spring, a smaller engage_window_n or a "
                          "tank of the scene's own bounds it");
     }

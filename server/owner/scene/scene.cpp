@@ -95,16 +95,16 @@ bool same_file(const fs::path& a, const fs::path& b) {
 }
 
 /// Every text must be UTF-8: protobuf refuses to send anything else.
-void check_text(const google::protobuf::Message& message, const std::string& path,
+void check_text(const google::protobuf::Message& message, const FieldPath& path,
                 Problems& problems) {
   const google::protobuf::Reflection& reflection = *message.GetReflection();
   std::vector<const FieldDescriptor*> fields;
   reflection.ListFields(message, &fields);
   for (const FieldDescriptor* field : fields) {
-    const std::string name = (path.empty() ? "" : path + ".") + field->name();
     const bool list = field->is_repeated();
     for (int i = 0; i < (list ? reflection.FieldSize(message, field) : 1); ++i) {
-      const std::string at = list ? entry(name, static_cast<std::size_t>(i)) : name;
+      FieldPath at = path;
+      at.push_back(list ? FieldStep(field->name(), static_cast<std::size_t>(i)) : field->name());
       if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
         check_text(list ? reflection.GetRepeatedMessage(message, field, i)
                         : reflection.GetMessage(message, field),
@@ -129,7 +129,7 @@ void check_paced_by(const v1::Scene& message, const Scene& scene, Problems& prob
     if (device.name == name) return;
     clocks += (clocks.empty() ? "" : ", ") + quoted(device.name);
   }
-  problems.wrong("loop.paced_by", quoted(name),
+  problems.wrong({"loop", "paced_by"}, quoted(name),
                  clocks.empty() ? "must be absent: no device of the scene has a sample clock"
                                 : "must be a device with a sample clock: " + clocks);
 }
@@ -139,7 +139,7 @@ void check_silence(const Scene& scene, Problems& problems) {
   for (std::size_t i = 0; i < scene.devices.size(); ++i) {
     const core::Duration fade_end = scene.devices[i].pipeline.scene.staleness.fade_end;
     if (fade_end <= scene.server.lease_timeout) continue;
-    problems.wrong(entry("device", i) + ".staleness.fade_end", milliseconds(fade_end),
+    problems.wrong({{"device", i}, "staleness", "fade_end"}, milliseconds(fade_end),
                    "must be at most server.lease_timeout, " +
                        milliseconds(scene.server.lease_timeout) + ": no lease ends under force");
   }
@@ -153,7 +153,7 @@ void check_recordings(const Scene& scene, Problems& problems) {
     for (const DeviceScene& device : scene.devices) {
       const fs::path played = device.source ? device.source->plays() : fs::path{};
       if (played.empty() || !same_file(written, played)) continue;
-      problems.wrong("record.file", quoted(scene.record->file.string()),
+      problems.wrong({"record", "file"}, quoted(scene.record->file.string()),
                      "must be another file: device '" + device.name + "' plays " + played.string() +
                          ", which would be overwritten");
     }
@@ -170,8 +170,8 @@ Scene parse_scene(const std::string& text, const std::string& name, const fs::pa
   parse_text(text, name, message, tree, problems);
   apply(overrides, message, problems);
 
-  check_text(message, "", problems);
-  const Part<v1::Scene> part(message, "", folder, problems);
+  check_text(message, {}, problems);
+  const Part<v1::Scene> part(message, {}, folder, problems);
   Scene scene;
   check_name(part);
   scene.name = message.name();

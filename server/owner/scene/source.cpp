@@ -96,7 +96,7 @@ hw::SimulatedHandConfig read_simulated_hand(const Part<v1::SimulatedHand>& part,
     const double aim = c.target[static_cast<Eigen::Index>(i)];
     if (aim >= dof.lower && aim <= dof.upper) continue;
     part.wrong(
-        entry("target", i), decimal(aim),
+        {"target", i}, decimal(aim),
         "must be within the palm's box, " + decimal(dof.lower) + " to " + decimal(dof.upper));
   }
   return c;

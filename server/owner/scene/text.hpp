@@ -32,7 +32,7 @@ void parse_text(const std::string& text, const std::string& name, v1::Scene& mes
 ///     server.listen[1]=unix:/run/hapticd.sock         index = size appends; quotes are optional
 ///     device[0].direction_guard={}                    presence selects
 ///     device[0].standard={}                           replaces the other member of a oneof
-std::string apply_override(const std::string& assignment, v1::Scene& scene);
+FieldPath apply_override(const std::string& assignment, v1::Scene& scene);
 
 /// The fields of a message type as "a, b, c", first those that begin most like `wanted`; "no
 /// fields" if the type has none.

@@ -22,13 +22,13 @@ WebConfig read_web(const Part<v1::WebScene>& part, std::set<std::string>& addres
   for (int i = 0; i < part->name_size(); ++i) {
     const std::string& name = web.names.emplace_back(part->name(i));
     if (matches(name, R"((\[[0-9a-f:.]{2,45}\]|[a-z0-9.-]{1,253}))")) continue;
-    part.wrong(entry("name", static_cast<std::size_t>(i)), quoted(name),
+    part.wrong({"name", static_cast<std::size_t>(i)}, quoted(name),
                "must be a name of [a-z0-9.-] or an address, without a port");
   }
   for (int i = 0; i < part->origin_size(); ++i) {
     const std::string& origin = web.origins.emplace_back(part->origin(i));
     if (matches(origin, R"(https?://(\[[0-9a-f:.]+\]|[a-z0-9.-]+)(:[0-9]{1,5})?)")) continue;
-    part.wrong(entry("origin", static_cast<std::size_t>(i)), quoted(origin),
+    part.wrong({"origin", static_cast<std::size_t>(i)}, quoted(origin),
                R"(must be "https://name" or "http://name:port", in lower case)");
   }
   std::set<std::string> names;

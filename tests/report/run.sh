@@ -3,6 +3,7 @@
 # them.
 #
 #   tests/report/run.sh [--output DIR] [--build DIR] [part...]
+#   tests/report/run.sh bits [--help]   is no figure: bits/run.sh
 #
 #   part           linkage fig4 recordings scan radius claims finger press
 #                  closed_loop rate felt rtt scaling work_precision; default: all
@@ -13,6 +14,8 @@
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$(cd "$here/../.." && pwd)
+
+if [[ ${1-} == bits ]]; then exec "$here/bits/run.sh" "${@:2}"; fi
 
 output=$root/report
 programs=

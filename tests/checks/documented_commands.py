@@ -69,6 +69,7 @@ ELSEWHERE = {
         "tests/package/install_test.sh",
         'cmake --install "$build" --prefix',
     ),
+    "tests/mutation/run.py": ("tests/mutation/CMakeLists.txt", "/run.py"),
     "hapticctl doctor": ("tests/hapticctl/doctor_test.cpp", "MeasuresThisVeryHost"),
     "hapticctl calibrate": ("tests/hapticctl/calibrate_test.py", '"calibrate", "--output"'),
     "hapticctl find": ("tests/hapticctl/find_test.py", '*words, "find"]'),

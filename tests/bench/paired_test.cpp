@@ -55,15 +55,6 @@ TEST(Paired, MissWithinNoiseIsNotResolvable) {
   EXPECT_EQ(printed(against_noise(30.0)), "missed");
 }
 
-TEST(Paired, MedianRatioIsOverPairs) {
-  const Row r = row(turns({1.0, 2.0}), always(4.0), 0.0);
-  EXPECT_DOUBLE_EQ(r.ratio.median, 0.375);
-  EXPECT_DOUBLE_EQ(r.ratio.lower, 0.25);
-  EXPECT_DOUBLE_EQ(r.ratio.upper, 0.5);
-  EXPECT_DOUBLE_EQ(r.a_a.lower, 1.0);
-  EXPECT_DOUBLE_EQ(r.a_a.upper, 1.0);
-}
-
 TEST(Paired, DifferencesAreOverPairsToo) {
   const auto more = [](const Block& ours, double target) {
     const auto blocks = [](const Block& block) { return [block] { return std::vector{block()}; }; };
@@ -81,16 +72,6 @@ TEST(Paired, DifferencesAreOverPairsToo) {
   EXPECT_EQ(printed(r), "not shown");
   EXPECT_EQ(printed(more(always(10.3), 0.2)), "missed");
   EXPECT_EQ(printed(more(always(9.0), 0.2)), "met");
-}
-
-TEST(Paired, JudgesLoneFiguresByTheirInterval) {
-  const auto judged = [](const Block& block, double target) {
-    return printed(haptic::bench::measure("f", "us", block, target, 20));
-  };
-  EXPECT_EQ(judged(always(1.0), 0.9), "missed");
-  EXPECT_EQ(judged(always(1.0), 1.0), "met");
-  EXPECT_EQ(judged(turns({0.9, 1.1}), 1.0), "not shown");
-  EXPECT_EQ(judged(always(1.0), 0.0), "reported");
 }
 
 }  // namespace

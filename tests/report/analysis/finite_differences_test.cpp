@@ -25,23 +25,6 @@ TEST(FiniteDifferences, SkipsAndCountsSmallSteps) {
   EXPECT_TRUE(std::isnan(fd.impedance[3]));
 }
 
-TEST(FiniteDifferences, NoiseRaisesTheThreshold) {
-  StepRule rule;
-  rule.sigma_q = 0.3;  // 5 sigma = 1.5: more than any step
-  const FiniteDifferences fd = finite_differences(kQ, kTau, rule);
-  EXPECT_EQ(fd.kept, 0);
-  EXPECT_EQ(fd.nonpassive_pct, 0.0);
-  EXPECT_EQ(fd.excluded_pct, 100.0);
-}
-
-TEST(FiniteDifferences, TakesNoStepAcrossAGap) {
-  constexpr std::array<char, 6> kGap{0, 0, 1, 0, 0, 0};  // the active step fell into a gap
-  const FiniteDifferences fd = finite_differences(kQ, kTau, {}, kGap);
-  EXPECT_EQ(fd.steps, 4);
-  EXPECT_EQ(fd.nonpassive_pct, 0.0);
-  EXPECT_TRUE(std::isnan(fd.impedance[1]));
-}
-
 /// tests/report/STUDY.md#frozen-actuator.
 TEST(FiniteDifferences, AFrozenActuatorDividesByNothing) {
   constexpr std::array<double, 3> kStill{1, 1, 1}, kForce{1, 2, 0};

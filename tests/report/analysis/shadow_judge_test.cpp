@@ -11,16 +11,15 @@ using core::VecA;
 
 /// Presses of one sine a second, 10 N deep, and as long in free space; what is felt comes
 /// `late` s later.
-ShadowFigures presses(double late, double share = 1.0) {
+ShadowFigures presses(double late) {
   const auto force = [](double t) { return 10.0 * std::max(0.0, std::sin(2.0 * M_PI * t)); };
   ShadowJudge judge;
   for (int k = 1; k <= 4000; ++k) {
     const double t = 1e-3 * k, shadow = force(t);
-    judge.add({.felt = VecA::Constant(1, share * force(t - late)),
+    judge.add({.felt = VecA::Constant(1, force(t - late)),
                .shadow = VecA::Constant(1, shadow),
-               .elastic = VecA::Constant(1, share * force(t - late)),
+               .elastic = VecA::Constant(1, force(t - late)),
                .touching = shadow > 0.0,
-               .held_back = share < 1.0,
                .clearance = -0.2 * std::sin(2.0 * M_PI * t)});
   }
   return judge.figures();
@@ -50,12 +49,6 @@ TEST(ShadowJudge, DelayIsAnError) {
   }
 }
 
-TEST(ShadowJudge, WithheldForceIsAnError) {
-  const ShadowFigures f = presses(0.0, 0.9);
-  EXPECT_NEAR(f.error, 1.0 / M_SQRT2, 1e-3);
-  EXPECT_EQ(f.held_back, 1.0);
-}
-
 TEST(ShadowJudge, CountsTicksWithinTheBound) {
   ShadowJudge judge;
   for (int k = 0; k < 8; ++k) {  // errors of 0, 1, ... 7 N; the first six have a bound of 4 N
@@ -70,22 +63,6 @@ TEST(ShadowJudge, CountsTicksWithinTheBound) {
   EXPECT_NEAR(f.bounded, 5.0 / 7.0, 1e-12);
   EXPECT_EQ(f.error_median, 3.0);
   EXPECT_EQ(f.bound_median, 4.0);
-}
-
-TEST(ShadowJudge, NoContactIsNoFigure) {
-  ShadowJudge judge;
-  judge.add({.felt = VecA::Constant(1, 0.5),
-             .shadow = VecA::Zero(1),
-             .elastic = VecA::Constant(1, 0.5),
-             .clearance = 0.001});
-  judge.add({.felt = VecA::Constant(1, 0.2),
-             .shadow = VecA::Zero(1),
-             .elastic = VecA::Constant(1, 0.2),
-             .clearance = 0.01});
-  const ShadowFigures f = judge.figures();
-  EXPECT_EQ(f.ticks, 0);
-  EXPECT_EQ(f.percent(), 0.0);
-  EXPECT_EQ(f.drag, 0.2) << "near an object an early force is an error of place, not drag";
 }
 
 }  // namespace

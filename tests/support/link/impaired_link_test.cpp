@@ -55,20 +55,6 @@ std::size_t overtaken(const std::vector<Arrival>& arrivals) {
   return count;
 }
 
-TEST(ImpairedLink, DeliversAtItsTime) {
-  for (const Arrival& a : through(WayRules{}, 100)) EXPECT_EQ(a.took(), 0ns);
-  WayRules rules{.delay = 10ms};
-  ImpairedLink link(rules, kSeed, Carrier::kUdp);
-  EXPECT_EQ(link.next_arrival(), LinkTime::max());
-  link.send({1}, 5ms);
-  EXPECT_EQ(link.next_arrival(), 15ms);
-  EXPECT_FALSE(link.receive(15ms - 1ns));
-  const auto packet = link.receive(15ms);
-  ASSERT_TRUE(packet);
-  EXPECT_EQ(packet->second, Packet{1});
-  EXPECT_FALSE(link.receive(1h));
-}
-
 TEST(ImpairedLink, SeedDecidesArrivals) {
   WayRules rules{.jitter_sigma = 5ms, .loss = 0.1};
   const auto times = [&](std::uint64_t seed) {
@@ -99,28 +85,6 @@ TEST(ImpairedLink, LosesReordersDuplicatesItsShares) {
   EXPECT_EQ(reordered.size(), 20'000U);
 }
 
-TEST(ImpairedLink, JitterReordersUnlessOrderIsKept) {
-  WayRules rules{.delay = 10ms, .jitter_sigma = 5ms};
-  const auto arrivals = through(rules, 5'000);
-  for (const Arrival& a : arrivals) ASSERT_GE(a.took(), 10ms);
-  EXPECT_GT(overtaken(arrivals), 250U);
-  rules.keep_order = true;
-  EXPECT_EQ(overtaken(through(rules, 5'000)), 0U);
-}
-
-/// 50 ms of every 1050 ms, whichever way time is asked about.
-TEST(ImpairedLink, BurstsAreTimesNotPackets) {
-  const BurstRule rule{1000ms, 50ms};
-  BurstSchedule forward(rule, 7), backward(rule, 7);
-  std::vector<bool> there;
-  for (int ms = 0; ms < 100'000; ++ms) there.push_back(forward.blocked(ms * 1ms));
-  for (int ms = 99'999; ms >= 0; --ms) {
-    ASSERT_EQ(backward.blocked(ms * 1ms), there[static_cast<std::size_t>(ms)]) << ms;
-  }
-  const auto blocked = static_cast<double>(std::count(there.begin(), there.end(), true));
-  EXPECT_NEAR(blocked / 100'000.0, 50.0 / 1050.0, 0.02);
-}
-
 TEST(ImpairedLink, PartitionsTakeOneCarrier) {
   WayRules rules{.partitions = {{100ms, 200ms, Carrier::kUdp}}};
   const auto arrivals = through(rules, 300, Carrier::kUdp);
@@ -137,18 +101,6 @@ TEST(ImpairedLink, StallsDeliverBacklogInOrder) {
   const auto at_once = std::count_if(arrivals.begin(), arrivals.end(),
                                      [](const Arrival& a) { return a.arrived == 400ms; });
   EXPECT_EQ(at_once, 301);  // sent from 90 ms to 389 ms, and the one due then
-}
-
-TEST(ImpairedLink, RateDelaysAndQueueDrops) {
-  WayRules rules;
-  rules.bytes_per_second = 50'000.0;  // half of what a packet of 100 bytes per ms needs
-  rules.queue_bytes = 1000.0;
-  const auto arrivals = through(rules, 1000);
-  EXPECT_NEAR(static_cast<double>(arrivals.size()), 500.0, 12.0);
-  for (const Arrival& a : arrivals) {
-    EXPECT_GE(a.took(), 2ms);   // 100 bytes
-    EXPECT_LE(a.took(), 20ms);  // a full queue
-  }
 }
 
 TEST(ReliableLink, KeepsAllInOrder) {

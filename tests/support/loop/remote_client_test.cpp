@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 namespace haptic::test {
 namespace {
 
@@ -60,41 +58,6 @@ TEST(RemoteClient, OlderSampleNeverReplacesANewer) {
   // 2000 looks, half of them lost, some overtaken by later ones.
   EXPECT_GT(run.proxy.gapless_samples, 400u);
   EXPECT_LT(run.proxy.gapless_samples, 1050u);
-}
-
-/// An obstacle that recedes half as fast as the probe advances.
-ClientSettings receding() {
-  ClientSettings settings = every_tick();
-  settings.mode = ProxyMode::kPlanes;
-  settings.object = [](const VecX& x_probe) {
-    core::PlaneSet planes;
-    planes.normals.setOnes(1, 1);
-    planes.offsets.setConstant(1, 0.05 + 0.5 * x_probe[0]);
-    return planes;
-  };
-  return settings;
-}
-
-TEST(RemoteClient, ObjectIsAskedAtEveryLook) {
-  Stream run(receding());
-  for (int i = 0; i < 200; ++i) {
-    run.tick();
-    ASSERT_NEAR(run.proxy.x[0], std::min(run.t, 0.05 + 0.5 * run.t), 1e-12);
-    ASSERT_EQ(run.proxy.planes.size(), 1);
-  }
-}
-
-TEST(RemoteClient, DerivedPlaneTouchesTheProxy) {
-  ClientSettings settings = receding();
-  settings.only_in_contact = true;
-  Stream run(settings);
-  for (int i = 0; i < 200; ++i) {
-    run.tick();
-    ASSERT_EQ(run.proxy.planes.size(), run.t > 0.1 + 1e-9 ? 1 : 0) << run.t;
-    if (run.proxy.planes.size() == 0) continue;
-    ASSERT_NEAR(run.proxy.planes.normals(0, 0), 1.0, 1e-12);
-    ASSERT_NEAR(run.proxy.planes.offsets[0], run.proxy.x[0], 1e-12);
-  }
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "python"))
-from hapticd_process import OneServer  # noqa: E402
+from hapticd_process import Hapticd  # noqa: E402
 
 HEADERS = pathlib.Path(os.environ["HAPTIC_C_HEADERS"])
 LIBRARY = os.environ["HAPTIC_C_LIBRARY"]
@@ -76,8 +76,10 @@ class Symbols(unittest.TestCase):
         self.assertIn("[libhaptic.so.0]", dynamic)
 
 
-class FromC(OneServer):
-    lease_s = 60  # the programs publish nothing for a while
+class FromC(unittest.TestCase):
+    def setUp(self) -> None:
+        self.server = Hapticd("finger_constant", lease_s=60)  # the programs are silent for a while
+        self.addCleanup(self.server.stop)
 
     def run_program(self, name: str, *arguments: str) -> str:
         program = os.path.join(os.environ["HAPTIC_C_PROGRAMS"], name)

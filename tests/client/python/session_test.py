@@ -10,7 +10,8 @@ import unittest
 from collections.abc import Callable
 
 import haptic
-from hapticd_process import Hapticd, OneServer, eventually, reasons_until
+from hapticd_process import Hapticd, eventually
+from one_server import OneServer, reasons_until
 
 EXAMPLES = os.path.join(os.environ["HAPTIC_SCENES"], "../../client/python/examples")
 
@@ -308,6 +309,24 @@ class Udp(OneServer):
         session = self.open(carriers=haptic.Carriers.STREAM)
         self.hold(session, lambda s: s.proxy_seq_used > 50)
         self.assertFalse(session.statistics().udp_in_use)
+
+
+class Addresses(unittest.TestCase):
+    """The UDP path goes to the stream's host, however the address is written."""
+
+    def test_each_form_reaches_the_udp_port(self) -> None:
+        server = Hapticd("finger_constant", udp=True, tcp=True)
+        self.addCleanup(server.stop)
+        port = server.address.rpartition(":")[2]
+        for host in ("127.0.0.1", "localhost", "ipv4:127.0.0.1", "dns:127.0.0.1",
+                     "dns:///127.0.0.1"):
+            with self.subTest(host), haptic.Connection(f"{host}:{port}") as connection:
+                with connection.session(client_name="form", nominal_rate_hz=60) as session:
+                    def by_udp() -> bool:
+                        session.publish(haptic.FREE)
+                        return session.wait_for_state().carrier == "UDP"
+
+                    self.assertTrue(eventually(by_udp))
 
 
 class Examples(unittest.TestCase):

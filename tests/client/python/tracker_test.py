@@ -13,7 +13,8 @@ import unittest
 from collections.abc import Callable
 
 import haptic
-from hapticd_process import OneServer, eventually
+from hapticd_process import eventually
+from one_server import OneServer
 
 TURN = 0.4  # rad about z
 POSE = haptic.Pose((0.1, -0.2, 0.3), (0.0, 0.0, math.sin(TURN / 2), math.cos(TURN / 2)))

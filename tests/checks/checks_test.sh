@@ -50,6 +50,20 @@ echo "$words" >"$scratch/docs/b.md"
 expect 1 columns.py "$scratch"
 rm "$scratch/docs/b.md"
 
+words=$(yes word | head -n 45 | tr '\n' ' ')
+printf 'Long, %s\nand its end.\n' "$words" >"$scratch/docs/b.md"
+expect 1 plain_english.py "$scratch"
+printf -- '- %s\n- Items.\n\n| %s%s |\n' "$words" "$words" "$words" >"$scratch/docs/b.md"
+expect 0 plain_english.py "$scratch"
+rm "$scratch/docs/b.md"
+for word in O''f B''y A''s W''hat W''hether; do
+  printf 'int a;  // %s course.\n' "$word" >"$scratch/core/b.cpp"
+  expect 1 plain_english.py "$scratch"
+done
+printf '// A part. Of course.\nint byte;  // of a part\n' >"$scratch/core/b.cpp"
+expect 0 plain_english.py "$scratch"
+rm "$scratch/core/b.cpp"
+
 for line in 'open("/wo''rk/x");' 'path = /tm''p/socket' \
   'FROM registry https://mirror.example.net/x'; do
   echo "$line" >"$scratch/core/b.cpp"

@@ -126,7 +126,7 @@ class DeviceSessions {
   EventDetector detector_;
   std::string stop_reason_{};
   bool stopped_locally_{false};  ///< by the local control socket, which alone clears that
-  /// What of the newest record the calls after it ask for.
+  /// Values of the newest record for which the calls after it ask.
   struct Seen {
     core::TimePoint now{};
     core::LifecycleState state{core::LifecycleState::kInit};

@@ -21,7 +21,7 @@ using google::protobuf::Message;
   throw core::SceneError(why);
 }
 
-/// Of the form name or name[number], the number with at most six digits.
+/// A step is name or name[number], the number with at most six digits.
 FieldStep step_of(const std::string& word) {
   static const std::regex form(R"((\w{1,64})(\[(\d{1,6})\])?)");
   std::smatch parts;

@@ -54,13 +54,13 @@ inline const core::VecA& drive(const TickTold& told) {
   return effort.drive.size() > 0 ? effort.drive : effort.position;
 }
 
-/// What the device said, if it was refused.
+/// The reading of the device, if it was refused.
 inline core::VecQ refused_reading(const TickTold& told) {
   const core::Sensed& sensed = told.record.sensed;
   core::VecQ reading = told.record.input.device.sample.q;
   if (reading.size() != sensed.q.size()) return {};
   if (sensed.tracker.on) {
-    // What the device says of a tracked palm is not looked at.
+    // The device's own word about a tracked palm is not looked at.
     constexpr auto kDofs = static_cast<Eigen::Index>(core::kPalmDofs);
     const Eigen::Index first = sensed.tracker.first_dof;
     reading.segment<kDofs>(first) = sensed.q.segment<kDofs>(first);

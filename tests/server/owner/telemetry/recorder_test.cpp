@@ -75,7 +75,7 @@ double number(const std::string& text) {
   return value;
 }
 
-/// As the owner has it, without carrier and lease.
+/// The state as the owner has it, without carrier and lease.
 Recorder::StateOf states() {
   return [state = std::make_shared<haptic::v1::DeviceState>()](
              const TickRecord& record) -> const haptic::v1::DeviceState& {

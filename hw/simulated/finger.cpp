@@ -12,23 +12,6 @@ namespace {
 /// The pose in which the simulation begins: the finger straight, x = 0.
 const Eigen::Vector2d kRest = Eigen::Vector2d::Zero();
 
-std::shared_ptr<const core::Kinematics> require_finger(
-    std::shared_ptr<const core::Kinematics> kinematics) {
-  const bool shapes = kinematics->layout().n_q() == 2 && kinematics->layout().n_a() == 1 &&
-                      kinematics->space().n_x() == 2;
-  core::VecQ q = core::VecQ::Zero(2);
-  const core::VecX x = core::VecX::Zero(2);
-  if (!shapes || kinematics->inverse(x, q) == core::InverseStatus::kNotOffered) {
-    throw core::DeviceError("simulated_finger: the kinematics has " +
-                            std::to_string(kinematics->layout().n_q()) + " DoF(s), " +
-                            std::to_string(kinematics->layout().n_a()) + " actuated, and " +
-                            std::to_string(kinematics->space().n_x()) +
-                            " coordinate(s); must be finger_exoskeleton (l_x actuated, q_B sensed, "
-                            "two joints, inverse)");
-  }
-  return kinematics;
-}
-
 Intent intent_of(const SimulatedFingerConfig& c) {
   if (!c.motion_file.empty()) return {kRest, c.motion_file};
   return {kRest, Eigen::Vector2d(c.target_mcp, c.target_pip)};
@@ -49,7 +32,7 @@ DeviceInfo describe(const SimulatedFingerConfig& c, const core::Kinematics& kine
 
 std::unique_ptr<Device> SimulatedFingerConfig::open(
     std::shared_ptr<const core::Kinematics> kinematics, core::Duration) const {
-  return std::make_unique<SimulatedFinger>(*this, std::move(kinematics));
+  return std::make_unique<SimulatedFinger>(*this, kinematics);
 }
 
 core::VecA SimulatedFingerConfig::effort() const {
@@ -62,11 +45,11 @@ OwnDynamics SimulatedFingerConfig::own_dynamics(const core::DofLayout&) const {
 }
 
 SimulatedFinger::SimulatedFinger(const SimulatedFingerConfig& config,
-                                 std::shared_ptr<const core::Kinematics> kinematics)
+                                 const std::shared_ptr<const core::Kinematics>& kinematics)
     : config_(config),
       info_(describe(config, *require_finger(kinematics))),
       intent_(intent_of(config)),
-      physics_(config.finger, std::move(kinematics), kRest),
+      physics_(config.finger, kinematics, kRest),
       noise_(config.seed) {}
 
 double SimulatedFinger::elapsed() const noexcept {

@@ -36,11 +36,10 @@ struct SimulatedFingerConfig final : DeviceConfig, WornFinger {
 
 class SimulatedFinger final : public Device {
  public:
-  /// Throws DeviceError: a motion file that cannot be read, a kinematics that is not a finger's
-  /// (two DoFs, one of them actuated, two joints, an inverse). The scene's reader checks the
-  /// parameters.
+  /// Throws DeviceError: a motion file that cannot be read, a kinematics that is not
+  /// finger_exoskeleton. The scene's reader checks the parameters.
   SimulatedFinger(const SimulatedFingerConfig& config,
-                  std::shared_ptr<const core::Kinematics> kinematics);
+                  const std::shared_ptr<const core::Kinematics>& kinematics);
 
   [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
   void read(core::TimePoint now, core::DeviceReading& reading) noexcept override;

@@ -3,6 +3,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "haptic/core/error.hpp"
 
 namespace haptic::hw {
 namespace {
@@ -11,12 +14,22 @@ constexpr double kFastest = 100.0;  // rad/s
 
 }  // namespace
 
+std::shared_ptr<const core::FingerExoskeleton> require_finger(
+    const std::shared_ptr<const core::Kinematics>& kinematics) {
+  auto finger = std::dynamic_pointer_cast<const core::FingerExoskeleton>(kinematics);
+  if (finger) return finger;
+  throw core::DeviceError(
+      "simulated_finger: the kinematics has " + std::to_string(kinematics->layout().n_q()) +
+      " DoF(s), " + std::to_string(kinematics->layout().n_a()) + " actuated, and " +
+      std::to_string(kinematics->space().n_x()) + " coordinate(s); must be finger_exoskeleton");
+}
+
 FingerPhysics::FingerPhysics(const FingerParameters& parameters,
-                             std::shared_ptr<const core::Kinematics> kinematics,
+                             const std::shared_ptr<const core::Kinematics>& kinematics,
                              const Eigen::Vector2d& x)
     : p_(parameters),
       hand_stiffness_(parameters.hand_stiffness),
-      kinematics_(std::move(kinematics)),
+      finger_(require_finger(kinematics)),
       x_(x) {
   linkage_.q = core::VecQ::Zero(2);
   search();
@@ -43,8 +56,8 @@ void FingerPhysics::search() noexcept {
   searched_at_ = x_;
   steps_since_search_ = 0;
   linkage_.out.setZero();
-  core::Followed at;
-  if (kinematics_->follow(x_, x_dot_, at) == core::InverseStatus::kExact) {
+  core::FingerExoskeleton::Motion at;
+  if (finger_->follow(x_, x_dot_, at) == core::InverseStatus::kExact) {
     edge_.clear();
     if (!adopt(at, x_)) linkage_.pull = velocity_product();
     return;
@@ -52,7 +65,7 @@ void FingerPhysics::search() noexcept {
   core::VecX wanted(2);
   wanted << x_[0], x_[1];
   core::VecQ q = linkage_.q;
-  const bool inside = kinematics_->inverse(wanted, q) == core::InverseStatus::kExact;
+  const bool inside = finger_->inverse(wanted, q) == core::InverseStatus::kExact;
   if (inside) edge_.clear();
   if (!move_to(q) || inside) return;
   edge_.add(x_, linkage_.reached);
@@ -73,8 +86,8 @@ void FingerPhysics::follow_edge() noexcept {
 bool FingerPhysics::move_to(const core::VecQ& q) noexcept {
   core::VecX reached;
   core::MatXQ J;
-  core::Followed at;
-  bool adopted = kinematics_->evaluate(q, reached, J) == core::MapStatus::kOk;
+  core::FingerExoskeleton::Motion at;
+  bool adopted = finger_->evaluate(q, reached, J) == core::MapStatus::kOk;
   if (adopted) {
     at.q = q;
     at.J = J;
@@ -86,7 +99,8 @@ bool FingerPhysics::move_to(const core::VecQ& q) noexcept {
 
 /// Takes that as the linkage's pose. False, and the pose stays, if it would be in a toggle
 /// position: the lever arms of the step before are then the better ones.
-bool FingerPhysics::adopt(const core::Followed& at, const Eigen::Vector2d& reached) noexcept {
+bool FingerPhysics::adopt(const core::FingerExoskeleton::Motion& at,
+                          const Eigen::Vector2d& reached) noexcept {
   constexpr double kToggle = 1e-9;  // 1/m; the valid region has det J > 2
                                     // (core/METHOD.md#finger-linkage)
   const Eigen::Matrix2d& J = at.J;
@@ -96,8 +110,8 @@ bool FingerPhysics::adopt(const core::Followed& at, const Eigen::Vector2d& reach
   linkage_.J = J;
   linkage_.det = det;
   linkage_.reached = reached;
-  linkage_.w = kinematics_->layout().actuated(0) == 0 ? Eigen::Vector2d(J(1, 1), -J(0, 1))
-                                                      : Eigen::Vector2d(-J(1, 0), J(0, 0));
+  linkage_.w = finger_->layout().actuated(0) == 0 ? Eigen::Vector2d(J(1, 1), -J(0, 1))
+                                                  : Eigen::Vector2d(-J(1, 0), J(0, 0));
   linkage_.w /= det;
   linkage_.pull = linkage_.w.dot(at.product);
   return true;
@@ -105,7 +119,7 @@ bool FingerPhysics::adopt(const core::Followed& at, const Eigen::Vector2d& reach
 
 core::VecQ FingerPhysics::boxed(core::VecQ q) const noexcept {
   for (int i = 0; i < 2; ++i) {
-    const core::DofSpec& dof = kinematics_->dofs()[static_cast<std::size_t>(i)];
+    const core::DofSpec& dof = finger_->dofs()[static_cast<std::size_t>(i)];
     q[i] = std::clamp(q[i], dof.lower, dof.upper);
   }
   return q;
@@ -118,10 +132,11 @@ Eigen::Vector2d FingerPhysics::to_q(const Eigen::Vector2d& x_change) const noexc
 
 /// w^T J_dot q_dot, m/s^2: how much l_x accelerates less than w^T x_ddot because J changes.
 double FingerPhysics::velocity_product() const noexcept {
-  const core::VecQ q_dot = to_q(x_dot_);
-  core::VecX product;
-  if (kinematics_->velocity_product(linkage_.q, q_dot, product) != core::MapStatus::kOk) return 0.0;
-  return linkage_.w.dot(Eigen::Vector2d(product));
+  Eigen::Vector2d product;
+  if (finger_->velocity_product(linkage_.q, to_q(x_dot_), product) != core::MapStatus::kOk) {
+    return 0.0;
+  }
+  return linkage_.w.dot(product);
 }
 
 void FingerPhysics::step(double dt, const Eigen::Vector2d& x_des, double tau_a) noexcept {

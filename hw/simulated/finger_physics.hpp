@@ -18,7 +18,7 @@
 #include <Eigen/Core>
 #include <memory>
 
-#include "haptic/core/model/kinematics.hpp"
+#include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/simulated/reach_edge.hpp"
 
 namespace haptic::hw {
@@ -46,12 +46,16 @@ struct FingerEnergy {
   double stop{0.0};         ///< given to the end stop: stored and lost
 };
 
+/// The map as a finger's. Throws DeviceError: it is none.
+[[nodiscard]] std::shared_ptr<const core::FingerExoskeleton> require_finger(
+    const std::shared_ptr<const core::Kinematics>& kinematics);
+
 class FingerPhysics {
  public:
-  /// Starts at rest in `x` (rad), or the nearest pose to it in reach. n_q = n_x = 2 with one
-  /// actuated DoF and an inverse: see make_simulated_finger, which checks.
+  /// Starts at rest in `x` (rad), or the nearest pose to it in reach. Throws as require_finger().
   FingerPhysics(const FingerParameters& parameters,
-                std::shared_ptr<const core::Kinematics> kinematics, const Eigen::Vector2d& x);
+                const std::shared_ptr<const core::Kinematics>& kinematics,
+                const Eigen::Vector2d& x);
 
   /// One step of `dt` s with the force tau_a (N) and the user's aim x_des (rad).
   void step(double dt, const Eigen::Vector2d& x_des, double tau_a) noexcept;
@@ -86,14 +90,15 @@ class FingerPhysics {
   void search() noexcept;
   void follow_edge() noexcept;
   [[nodiscard]] bool move_to(const core::VecQ& q) noexcept;
-  [[nodiscard]] bool adopt(const core::Followed& at, const Eigen::Vector2d& reached) noexcept;
+  [[nodiscard]] bool adopt(const core::FingerExoskeleton::Motion& at,
+                           const Eigen::Vector2d& reached) noexcept;
   [[nodiscard]] core::VecQ boxed(core::VecQ q) const noexcept;
   [[nodiscard]] Eigen::Vector2d to_q(const Eigen::Vector2d& x_change) const noexcept;
   [[nodiscard]] double velocity_product() const noexcept;
 
   FingerParameters p_;
   double hand_stiffness_;  ///< N m/rad, now
-  std::shared_ptr<const core::Kinematics> kinematics_;
+  std::shared_ptr<const core::FingerExoskeleton> finger_;
   Eigen::Vector2d x_;
   Eigen::Vector2d x_dot_{Eigen::Vector2d::Zero()};
   Linkage linkage_{};

@@ -22,10 +22,10 @@ HandLayout layout_of(const core::Kinematics& kinematics) {
     layout.palm = static_cast<Eigen::Index>(*rotation) - 3;
     n_q += kPalmDofs;
   }
-  for (const int first : kinematics.limited_pairs()) {
-    const std::string& name = kinematics.dofs()[static_cast<std::size_t>(first)].name;
+  for (const core::Mechanism& finger : kinematics.mechanisms()) {
+    const std::string& name = kinematics.dofs()[static_cast<std::size_t>(finger.first_q)].name;
     if (!name.ends_with(kActuator) || name.size() == kActuator.size()) continue;
-    layout.fingers.push_back({name.substr(0, name.size() - kActuator.size()), first});
+    layout.fingers.push_back({name.substr(0, name.size() - kActuator.size()), finger.first_q});
     n_q += 2;
   }
   if (layout.fingers.empty() || n_q != kinematics.layout().n_q()) {
@@ -92,12 +92,10 @@ SimulatedHand::SimulatedHand(const SimulatedHandConfig& config,
       noise_(config.seed),
       aim_(config.target) {
   info_ = describe(config, intent_, *kinematics);
-  const std::span<const int> pairs = kinematics->limited_pairs();
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
+  for (const core::Mechanism& finger : kinematics->mechanisms()) {
     // Shares the ownership of the whole map.
-    const std::shared_ptr<const core::Kinematics> finger(
-        kinematics, &kinematics->mechanism(static_cast<int>(i)));
-    fingers_.emplace_back(config.finger, finger, Eigen::Vector2d::Zero());
+    const std::shared_ptr<const core::Kinematics> map(kinematics, finger.kinematics);
+    fingers_.emplace_back(config.finger, map, Eigen::Vector2d::Zero());
   }
   if (layout_.palm) {
     const core::DofSpec& x = kinematics->dofs()[static_cast<std::size_t>(*layout_.palm)];

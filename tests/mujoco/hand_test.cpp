@@ -215,8 +215,8 @@ TEST(MujocoHand, HasTheDevicesDimensions) {
       q[7 + 2 * finger] = 0.1;
       VecX joints;
       MatXQ J;
-      ASSERT_EQ(map.mechanism(finger).evaluate(q.segment(6 + 2 * finger, 2), joints, J),
-                core::MapStatus::kOk);
+      const core::Mechanism& of = map.mechanisms()[static_cast<std::size_t>(finger)];
+      ASSERT_EQ(of.kinematics->evaluate(q.segment(of.first_q, 2), joints, J), core::MapStatus::kOk);
       for (int joint = 0; joint < 2; ++joint) {
         const std::string name = std::string(kFingers[finger]) + (joint == 0 ? "_mcp" : "_pip");
         const int id = world.id(mjOBJ_JOINT, name.c_str());

@@ -121,7 +121,7 @@ bool draw_pose(const core::Kinematics& map, Random& random, core::VecQ& q) {
     goal[i] = uniform(random, 0.0, 80 * kDegree);
     goal[i + 1] = uniform(random, 0.0, 90 * kDegree);
   }
-  switch (n_x == n_q ? map.inverse_inside(goal, q) : core::InverseStatus::kNotOffered) {
+  switch (map.blocks().empty() ? map.inverse(goal, q) : core::InverseStatus::kNotOffered) {
     case core::InverseStatus::kExact:
       return true;
     case core::InverseStatus::kUnreachable:

@@ -31,7 +31,7 @@ std::vector<Vector2d> looks(const Aim& aim) {
 bool reached(const core::Kinematics& finger, const Aim& aim) {
   core::VecQ q = core::VecQ::Zero(finger.layout().n_q());
   for (const Vector2d& x : looks(aim)) {
-    if (finger.inverse_inside(core::VecX(x), q) != core::InverseStatus::kExact) return false;
+    if (finger.inverse(core::VecX(x), q) != core::InverseStatus::kExact) return false;
   }
   return true;
 }

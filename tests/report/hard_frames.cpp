@@ -35,15 +35,14 @@ VecQ boxed(const core::Kinematics& map, VecQ q) {
 }
 
 bool sliders_hold(const core::Kinematics& map, const VecQ& q) {
-  const auto pairs = map.limited_pairs();
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    core::PairLimits limits;
-    if (map.pair_limits(static_cast<int>(i), q[pairs[i]], q[pairs[i] + 1], limits) !=
+  for (const core::Mechanism& mechanism : map.mechanisms()) {
+    core::Constraints constraints;
+    if (mechanism.kinematics->constraints(q.segment(mechanism.first_q, 2), constraints) !=
         core::MapStatus::kOk) {
       return false;
     }
-    for (const core::PairLimit& limit : limits) {
-      if (!(limit.room >= -kSlack)) return false;
+    for (const core::Constraint& constraint : constraints) {
+      if (!(constraint.room >= -kSlack)) return false;
     }
   }
   return true;

@@ -52,124 +52,122 @@ const FingerDimensions& checked(const FingerDimensions& d) {
   return d;
 }
 
-class FingerExoskeleton final : public Kinematics {
- public:
-  explicit FingerExoskeleton(const FingerDimensions& d)
-      : Kinematics({{"l_x", Unit::kMetre, true, d.l_x_lower, d.l_x_upper},
-                    {"q_B", Unit::kRadian, false, d.q_B_lower, d.q_B_upper}},
-                   ConfigurationSpace(
-                       {{"q_o1_mcp", Unit::kRadian, CoordinateKind::kLinear, d.proximal_phalanx},
-                        {"q_o2_pip", Unit::kRadian, CoordinateKind::kLinear}})),
-        linkage_(checked(d)),
-        reach_(linkage_) {
-    mean_J_a_ = reach_.mean_actuated_jacobian();
-  }
+/// Box and slider limits (the latter exclude rods on the far side of their joints), and angles that
+/// are not a turn away from what the linkage assembles to.
+bool acceptable(const FingerDimensions& d, double q1, double q2, const ClosedPose& p) noexcept {
+  constexpr double kSlack = FingerLinkage::kLimitSlack;
+  return p.l >= d.l_x_lower - kSlack && p.l <= d.l_x_upper + kSlack &&
+         p.t >= d.q_B_lower - kSlack && p.t <= d.q_B_upper + kSlack &&
+         p.c1 >= d.slider1_lower - kSlack && p.c1 <= d.slider1_upper + kSlack &&
+         p.c2 >= d.slider2_lower - kSlack && p.c2 <= d.slider2_upper + kSlack &&
+         std::abs(q1) <= std::numbers::pi && std::abs(q2) <= std::numbers::pi;
+}
 
-  MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override {
-    LinkagePose p;
-    if (!linkage_.pose(q[0], q[1], p)) return MapStatus::kCannotClose;
-    x_probe.resize(2);
-    x_probe[0] = p.q1;
-    x_probe[1] = p.q2;
-    J.resize(2, 2);
-    for (int k = 0; k < 2; ++k) {
-      J(0, k) = p.J(0, k);
-      J(1, k) = p.J(1, k);
-    }
-    return MapStatus::kOk;
-  }
+}  // namespace
 
-  MapStatus position(const VecQ& q, VecX& x_probe) const noexcept override {
-    double q1 = 0.0, q2 = 0.0;
-    if (!linkage_.joints(q[0], q[1], q1, q2)) return MapStatus::kCannotClose;
-    x_probe.resize(2);
-    x_probe[0] = q1;
-    x_probe[1] = q2;
-    return MapStatus::kOk;
-  }
+struct FingerExoskeleton::Parts {
+  explicit Parts(const FingerDimensions& d) : linkage(checked(d)), reach(linkage) {}
+  FingerLinkage linkage;
+  FingerReach reach;
+};
 
-  MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override {
-    LinkageHessian h;
-    if (!linkage_.hessian(q[0], q[1], h)) return MapStatus::kCannotClose;
-    J_k.resize(2, 2);
-    for (int i = 0; i < 2; ++i) {
-      for (int m = 0; m < 2; ++m) J_k(i, m) = h.H[i][k][m];
-    }
-    return MapStatus::kOk;
-  }
+FingerExoskeleton::FingerExoskeleton(const FingerDimensions& d)
+    : Kinematics({{"l_x", Unit::kMetre, true, d.l_x_lower, d.l_x_upper},
+                  {"q_B", Unit::kRadian, false, d.q_B_lower, d.q_B_upper}},
+                 ConfigurationSpace(
+                     {{"q_o1_mcp", Unit::kRadian, CoordinateKind::kLinear, d.proximal_phalanx},
+                      {"q_o2_pip", Unit::kRadian, CoordinateKind::kLinear}})),
+      parts_(std::make_unique<Parts>(d)),
+      self_{this, 0} {
+  mean_J_a_ = parts_->reach.mean_actuated_jacobian();
+}
 
-  MapStatus velocity_product(const VecQ& q, const VecQ& q_dot, VecX& out) const noexcept override {
-    double product[2];
-    if (!linkage_.velocity_product(q[0], q[1], q_dot[0], q_dot[1], product)) {
-      return MapStatus::kCannotClose;
-    }
-    out.resize(2);
-    out << product[0], product[1];
-    return MapStatus::kOk;
-  }
+FingerExoskeleton::~FingerExoskeleton() = default;
 
-  InverseStatus inverse(const VecX& x, VecQ& q) const noexcept override {
-    if (inverse_inside(x, q) == InverseStatus::kExact) return InverseStatus::kExact;
-    q.resize(2);
-    const ReachPoint nearest = reach_.nearest(x[0], x[1]);
-    q[0] = nearest.l;
-    q[1] = nearest.t;
-    return InverseStatus::kUnreachable;
+MapStatus FingerExoskeleton::evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept {
+  LinkagePose p;
+  if (!parts_->linkage.pose(q[0], q[1], p)) return MapStatus::kCannotClose;
+  x_probe.resize(2);
+  x_probe[0] = p.q1;
+  x_probe[1] = p.q2;
+  J.resize(2, 2);
+  for (int k = 0; k < 2; ++k) {
+    J(0, k) = p.J(0, k);
+    J(1, k) = p.J(1, k);
   }
+  return MapStatus::kOk;
+}
 
-  InverseStatus inverse_inside(const VecX& x, VecQ& q) const noexcept override {
-    ClosedPose closed;
-    if (!linkage_.closed_inverse(x[0], x[1], closed) || !acceptable(x[0], x[1], closed)) {
-      return InverseStatus::kUnreachable;
-    }
-    q.resize(2);
+MapStatus FingerExoskeleton::position(const VecQ& q, VecX& x_probe) const noexcept {
+  double q1 = 0.0, q2 = 0.0;
+  if (!parts_->linkage.joints(q[0], q[1], q1, q2)) return MapStatus::kCannotClose;
+  x_probe.resize(2);
+  x_probe[0] = q1;
+  x_probe[1] = q2;
+  return MapStatus::kOk;
+}
+
+MapStatus FingerExoskeleton::second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept {
+  LinkageHessian h;
+  if (!parts_->linkage.hessian(q[0], q[1], h)) return MapStatus::kCannotClose;
+  J_k.resize(2, 2);
+  for (int i = 0; i < 2; ++i) {
+    for (int m = 0; m < 2; ++m) J_k(i, m) = h.H[i][k][m];
+  }
+  return MapStatus::kOk;
+}
+
+InverseStatus FingerExoskeleton::inverse(const VecX& x, VecQ& q) const noexcept {
+  const FingerLinkage& linkage = parts_->linkage;
+  q.resize(2);
+  ClosedPose closed;
+  if (linkage.closed_inverse(x[0], x[1], closed) &&
+      acceptable(linkage.dimensions(), x[0], x[1], closed)) {
     q[0] = closed.l;
     q[1] = closed.t;
     return InverseStatus::kExact;
   }
+  const ReachPoint nearest = parts_->reach.nearest(x[0], x[1]);
+  q[0] = nearest.l;
+  q[1] = nearest.t;
+  return InverseStatus::kUnreachable;
+}
 
-  InverseStatus follow(const Eigen::Vector2d& x, const Eigen::Vector2d& x_dot,
-                       Followed& out) const noexcept override {
-    ClosedPose closed;
-    LinkageMotion motion;
-    if (!linkage_.closed_motion(x[0], x[1], x_dot[0], x_dot[1], closed, motion) ||
-        !acceptable(x[0], x[1], closed)) {
-      return InverseStatus::kUnreachable;
-    }
-    out.q << closed.l, closed.t;
-    out.J << motion.J[0][0], motion.J[0][1], motion.J[1][0], motion.J[1][1];
-    out.product << motion.product[0], motion.product[1];
-    return InverseStatus::kExact;
+std::span<const Mechanism> FingerExoskeleton::mechanisms() const noexcept {
+  return {&self_, 1};
+}
+
+MapStatus FingerExoskeleton::constraints(const VecQ& q, Constraints& out) const noexcept {
+  return parts_->reach.constraints(q[0], q[1], out) ? MapStatus::kOk : MapStatus::kCannotClose;
+}
+
+Drawing FingerExoskeleton::drawing() const {
+  return finger_drawing(parts_->linkage.dimensions());
+}
+
+InverseStatus FingerExoskeleton::follow(const Eigen::Vector2d& x, const Eigen::Vector2d& x_dot,
+                                        Motion& out) const noexcept {
+  ClosedPose closed;
+  LinkageMotion motion;
+  if (!parts_->linkage.closed_motion(x[0], x[1], x_dot[0], x_dot[1], closed, motion) ||
+      !acceptable(parts_->linkage.dimensions(), x[0], x[1], closed)) {
+    return InverseStatus::kUnreachable;
   }
+  out.q << closed.l, closed.t;
+  out.J << motion.J[0][0], motion.J[0][1], motion.J[1][0], motion.J[1][1];
+  out.product << motion.product[0], motion.product[1];
+  return InverseStatus::kExact;
+}
 
-  std::span<const int> limited_pairs() const noexcept override { return pair_; }
-  MapStatus pair_limits(int, double a, double b, PairLimits& limits) const noexcept override {
-    return reach_.limits(a, b, limits) ? MapStatus::kOk : MapStatus::kCannotClose;
+MapStatus FingerExoskeleton::velocity_product(const VecQ& q, const Eigen::Vector2d& q_dot,
+                                              Eigen::Vector2d& out) const noexcept {
+  double product[2];
+  if (!parts_->linkage.velocity_product(q[0], q[1], q_dot[0], q_dot[1], product)) {
+    return MapStatus::kCannotClose;
   }
-  Drawing drawing() const override { return finger_drawing(linkage_.dimensions()); }
-
- private:
-  static constexpr int pair_[] = {0};
-  /// Box and slider limits (the latter exclude rods on the far side of their joints), and angles
-  /// that are not a turn away from what the linkage assembles to.
-  [[nodiscard]] bool acceptable(double q1, double q2, const ClosedPose& p) const noexcept {
-    const FingerDimensions& d = linkage_.dimensions();
-    return p.l >= d.l_x_lower - FingerLinkage::kLimitSlack &&
-           p.l <= d.l_x_upper + FingerLinkage::kLimitSlack &&
-           p.t >= d.q_B_lower - FingerLinkage::kLimitSlack &&
-           p.t <= d.q_B_upper + FingerLinkage::kLimitSlack &&
-           p.c1 >= d.slider1_lower - FingerLinkage::kLimitSlack &&
-           p.c1 <= d.slider1_upper + FingerLinkage::kLimitSlack &&
-           p.c2 >= d.slider2_lower - FingerLinkage::kLimitSlack &&
-           p.c2 <= d.slider2_upper + FingerLinkage::kLimitSlack &&
-           std::abs(q1) <= std::numbers::pi && std::abs(q2) <= std::numbers::pi;
-  }
-
-  FingerLinkage linkage_;
-  FingerReach reach_;
-};
-
-}  // namespace
+  out << product[0], product[1];
+  return MapStatus::kOk;
+}
 
 FingerDimensions finger_sign_change() noexcept {
   constexpr double kDegree = 0.017453292519943295;
@@ -198,7 +196,7 @@ FingerDimensions scaled(const FingerDimensions& dimensions, double size) noexcep
   return d;
 }
 
-std::unique_ptr<Kinematics> make_finger_exoskeleton(const FingerDimensions& dimensions) {
+std::unique_ptr<FingerExoskeleton> make_finger_exoskeleton(const FingerDimensions& dimensions) {
   return std::make_unique<FingerExoskeleton>(dimensions);
 }
 

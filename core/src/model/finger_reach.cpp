@@ -18,7 +18,7 @@ namespace haptic::core {
 namespace {
 
 /// The lower limit of a coordinate is even, its upper one follows.
-enum Constraint : int {
+enum EdgeLimit : int {
   kLLower,
   kLUpper,
   kTLower,
@@ -94,18 +94,19 @@ bool FingerReach::gradient(int constraint, double l, double t, const LinkagePose
   return true;
 }
 
-bool FingerReach::limits(double l, double t, PairLimits& limits) const noexcept {
-  static_assert(kConstraints - kC1Lower == kPairLimits);
+bool FingerReach::constraints(double l, double t, Constraints& out) const noexcept {
+  static_assert(kConstraints - kC1Lower == std::tuple_size_v<Constraints>);
   LinkagePose p;
   if (!linkage_.pose(l, t, p)) return false;
-  for (int i = 0; i < kPairLimits; ++i) {
-    PairLimit& limit = limits[static_cast<std::size_t>(i)];
-    limit.room = value(kC1Lower + i, l, t, p);
+  for (int c = kC1Lower; c < kConstraints; ++c) {
+    Constraint& constraint = out[static_cast<std::size_t>(c - kC1Lower)];
+    constraint.room = value(c, l, t, p);
     // The branch's slope needs second derivatives: not where it is far off.
     const bool far =
-        kC1Lower + i == kBranch && limit.room > 0.25 * linkage_.dimensions().proximal_phalanx;
-    limit.slope[0] = limit.slope[1] = 0.0;
-    if (!far && !gradient(kC1Lower + i, l, t, p, limit.slope[0], limit.slope[1])) return false;
+        c == kBranch && constraint.room > 0.25 * linkage_.dimensions().proximal_phalanx;
+    double(&g)[2] = constraint.gradient;
+    g[0] = g[1] = 0.0;
+    if (!far && !gradient(c, l, t, p, g[0], g[1])) return false;
   }
   return true;
 }

@@ -29,7 +29,7 @@ class FingerReach {
 
   /// The sliders' ends and the branch, the latter without a slope while it is far off. False where
   /// the linkage does not close.
-  [[nodiscard]] bool limits(double l, double t, PairLimits& limits) const noexcept;
+  [[nodiscard]] bool constraints(double l, double t, Constraints& out) const noexcept;
   /// argmin ||x - f(q)|| over the set's edge.
   [[nodiscard]] ReachPoint nearest(double q1, double q2) const noexcept;
   /// Mean ||J_a|| over the valid region of core/METHOD.md#finger-linkage on the trace's grid,

@@ -74,7 +74,7 @@ class HandExoskeleton final : public Kinematics {
       blocks_.push_back({finger.kinematics.get(), kPerFinger * i, i, kPerFinger * i});
       const double mean = finger.kinematics->mean_actuated_jacobian();
       squares += mean * mean;
-      pairs_.push_back(kPerFinger * i);
+      mechanisms_.push_back({finger.kinematics.get(), kPerFinger * i});
     }
     mean_J_a_ = std::sqrt(squares);
   }
@@ -118,13 +118,7 @@ class HandExoskeleton final : public Kinematics {
     return MapStatus::kOk;
   }
 
-  std::span<const int> limited_pairs() const noexcept override { return pairs_; }
-  const Kinematics& mechanism(int which) const noexcept override {
-    return *blocks_[static_cast<std::size_t>(which)].kinematics;
-  }
-  MapStatus pair_limits(int which, double a, double b, PairLimits& limits) const noexcept override {
-    return blocks_[static_cast<std::size_t>(which)].kinematics->pair_limits(0, a, b, limits);
-  }
+  std::span<const Mechanism> mechanisms() const noexcept override { return mechanisms_; }
 
   InverseStatus inverse(const VecX& x, VecQ& q) const noexcept override {
     q.resize(layout_.n_q());
@@ -157,7 +151,7 @@ class HandExoskeleton final : public Kinematics {
  private:
   std::vector<FingerBlock> fingers_;
   std::vector<MapBlock> blocks_{};
-  std::vector<int> pairs_{};
+  std::vector<Mechanism> mechanisms_{};
 };
 
 /// Bodies of the tree: the palm, then proximal and middle phalanx of each finger.

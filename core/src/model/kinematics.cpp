@@ -33,17 +33,6 @@ Drawing Kinematics::drawing() const {
   return {};
 }
 
-MapStatus Kinematics::velocity_product(const VecQ& q, const VecQ& q_dot, VecX& out) const noexcept {
-  out.setZero(space().n_x());
-  MatXQ J_k;
-  for (int k = 0; k < static_cast<int>(q_dot.size()); ++k) {
-    const MapStatus status = second_order(q, k, J_k);
-    if (status != MapStatus::kOk) return status;
-    out += q_dot[k] * (J_k * q_dot);
-  }
-  return MapStatus::kOk;
-}
-
 std::vector<MapBlock> blocks_or_whole(const Kinematics& kinematics) {
   const std::span<const MapBlock> blocks = kinematics.blocks();
   if (blocks.empty()) return {{&kinematics, 0, 0, 0}};

@@ -16,7 +16,9 @@ TreeMap::TreeMap(RigidTree tree, std::vector<DofSpec> dofs, std::vector<TreeDriv
       drives_(std::move(drives)),
       rotation_(rotation) {
   mean_J_a_ = core::mean_actuated_jacobian(*this);
-  for (const TreeDrive& drive : drives_) pairs_.push_back(drive.first);
+  for (const TreeDrive& drive : drives_) {
+    mechanisms_.push_back({drive.mechanism.get(), drive.first});
+  }
 }
 
 struct TreeMap::Joints {
@@ -89,10 +91,6 @@ MapStatus TreeMap::second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept
     for (int m = 0; m < 2; ++m) J_k.col(drive->first + c) += dD(m, c) * J_y.col(drive->first + m);
   }
   return MapStatus::kOk;
-}
-
-MapStatus TreeMap::pair_limits(int which, double a, double b, PairLimits& limits) const noexcept {
-  return drives_[static_cast<std::size_t>(which)].mechanism->pair_limits(0, a, b, limits);
 }
 
 void TreeMap::nearest_representative(const VecQ& near, VecQ& q) const noexcept {

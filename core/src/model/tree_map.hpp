@@ -26,11 +26,7 @@ class TreeMap final : public Kinematics {
   MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override;
   MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override;
   void nearest_representative(const VecQ& near, VecQ& q) const noexcept override;
-  std::span<const int> limited_pairs() const noexcept override { return pairs_; }
-  const Kinematics& mechanism(int which) const noexcept override {
-    return *drives_[static_cast<std::size_t>(which)].mechanism;
-  }
-  MapStatus pair_limits(int which, double a, double b, PairLimits& limits) const noexcept override;
+  std::span<const Mechanism> mechanisms() const noexcept override { return mechanisms_; }
   Drawing drawing() const override;
 
  private:
@@ -42,7 +38,7 @@ class TreeMap final : public Kinematics {
 
   RigidTree tree_;
   std::vector<TreeDrive> drives_;
-  std::vector<int> pairs_{};  ///< the drives' first DoFs
+  std::vector<Mechanism> mechanisms_{};  ///< of the drives
   int rotation_;
 };
 

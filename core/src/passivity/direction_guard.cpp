@@ -32,7 +32,7 @@ bool DirectionGuard::allows(const Probe& probe, const VecX& dx, const VecA& tau_
     const VecA tau = tau_a.segment(block.at.first_a, block.at.n_a());
     towards += tau.dot(block.solver.dq_a());
     // With several fingers one would take the force of all.
-    const bool one_finger = blocks_.size() == 1 && block.at.kinematics->limited_pairs().size() <= 1;
+    const bool one_finger = blocks_.size() == 1 && block.at.kinematics->mechanisms().size() <= 1;
     if (!one_finger || block.solver.status() != ProjectionStatus::kExact) continue;
     bool pushed_in = false;
     ContactView contacts = probe.contacts;

@@ -22,15 +22,15 @@ constexpr double kSlack = 1e-12;
 constexpr int kNewtonSteps = 12;
 
 /// The limit's slope per width of the box; its length.
-double scaled(const PairLimit& limit, const double (&width)[2], double (&slope)[2]) noexcept {
-  slope[0] = limit.slope[0] * width[0];
-  slope[1] = limit.slope[1] * width[1];
+double scaled(const Constraint& limit, const double (&width)[2], double (&slope)[2]) noexcept {
+  slope[0] = limit.gradient[0] * width[0];
+  slope[1] = limit.gradient[1] * width[1];
   return std::hypot(slope[0], slope[1]);
 }
 
 /// The step s (in widths) to where all `count` <= 2 limits have no room left; false where they do
 /// not meet. One limit: the shortest step.
-bool onto(const PairLimit* const (&limits)[2], int count, const double (&width)[2],
+bool onto(const Constraint* const (&limits)[2], int count, const double (&width)[2],
           double (&s)[2]) noexcept {
   double g[2][2];
   const double length = scaled(*limits[0], width, g[0]);
@@ -49,11 +49,11 @@ bool onto(const PairLimit* const (&limits)[2], int count, const double (&width)[
 
 }  // namespace
 
-MechanismLimits::MechanismLimits(const Kinematics& kinematics) : kinematics_(&kinematics) {
-  for (const int first : kinematics.limited_pairs()) {
-    Pair& pair = pairs_[count_];
-    pair.which = static_cast<int>(count_++);
-    pair.first = first;
+MechanismLimits::MechanismLimits(const Kinematics& kinematics) {
+  for (const Mechanism& mechanism : kinematics.mechanisms()) {
+    Pair& pair = pairs_[count_++];
+    pair.mechanism = mechanism.kinematics;
+    const int first = pair.first = mechanism.first_q;
     for (int k = 0; k < 2; ++k) {
       const DofSpec& dof = kinematics.dofs()[static_cast<std::size_t>(first + k)];
       pair.lower[k] = dof.lower;
@@ -64,10 +64,12 @@ MechanismLimits::MechanismLimits(const Kinematics& kinematics) : kinematics_(&ki
 }
 
 bool MechanismLimits::limits_at(const Pair& pair, double a, double b, All& all) const noexcept {
-  std::array<PairLimit, kPairLimits> own;
-  if (kinematics_->pair_limits(pair.which, a, b, own) != MapStatus::kOk) return false;
+  VecQ q(2);
+  q << a, b;
+  Constraints own;
+  if (pair.mechanism->constraints(q, own) != MapStatus::kOk) return false;
   std::copy(own.begin(), own.end(), all.begin());
-  PairLimit* box = all.data() + kPairLimits;
+  Constraint* box = all.data() + kOwn;
   box[0] = {a - pair.lower[0], {1.0, 0.0}};
   box[1] = {pair.upper[0] - a, {-1.0, 0.0}};
   box[2] = {b - pair.lower[1], {0.0, 1.0}};
@@ -115,11 +117,11 @@ void MechanismLimits::look(const VecQ& q) noexcept {
 double MechanismLimits::reach_of(const Pair& pair) noexcept {
   constexpr double kFarthest = 0.02, kShare = 0.5, kSlope = 0.25;
   double steepest = 0.0, reach = kFarthest, g[2];
-  for (int c = 0; c < kPairLimits; ++c) {
+  for (int c = 0; c < kOwn; ++c) {
     steepest = std::max(steepest, scaled(pair.limits[static_cast<std::size_t>(c)], pair.width, g));
   }
-  for (int c = 0; c < kPairLimits; ++c) {
-    const PairLimit& limit = pair.limits[static_cast<std::size_t>(c)];
+  for (int c = 0; c < kOwn; ++c) {
+    const Constraint& limit = pair.limits[static_cast<std::size_t>(c)];
     const double steepness = std::max(scaled(limit, pair.width, g), kSlope * steepest);
     if (steepness > 0.0) reach = std::min(reach, kShare * limit.room / steepness);
   }
@@ -155,7 +157,7 @@ MechanismLimits::Bounds MechanismLimits::bounds_of(const Pair& pair) noexcept {
   const auto engaged = static_cast<std::size_t>(pair.engaged);
   Bounds bounds;
   bounds.nearest = std::min(0.0, -pair.limits[engaged].room / pair.steepness);
-  double room[kPairLimits + kBox], off[kPairLimits + kBox], along[kPairLimits + kBox];
+  double room[kOwn + kBox], off[kOwn + kBox], along[kOwn + kBox];
   double least = 0.0;
   for (std::size_t c = 0; c < pair.limits.size(); ++c) {
     double g[2];
@@ -211,12 +213,12 @@ bool MechanismLimits::engage(const VecQ& p) noexcept {
     }
     double deepest = kSlack;
     int worst = -1;
-    for (int c = 0; c < kPairLimits; ++c) {  // the box needs none of this
-      const PairLimit& limit = pair.limits[static_cast<std::size_t>(c)];
+    for (int c = 0; c < kOwn; ++c) {  // the box needs none of this
+      const Constraint& limit = pair.limits[static_cast<std::size_t>(c)];
       double g[2];
       const double steepness = scaled(limit, pair.width, g);
       const double left =
-          limit.room + limit.slope[0] * p[pair.first] + limit.slope[1] * p[pair.first + 1];
+          limit.room + limit.gradient[0] * p[pair.first] + limit.gradient[1] * p[pair.first + 1];
       if (!(steepness > 0.0) || !(-left / steepness > deepest)) continue;
       deepest = -left / steepness;
       worst = c;
@@ -256,8 +258,8 @@ bool MechanismLimits::restore(const Pair& pair, double& a, double& b) const noex
       held[count < 2 ? count : 1] = worst;
       count = std::min(count + 1, 2);
     }
-    const PairLimit* const on[2] = {&all[static_cast<std::size_t>(held[0])],
-                                    &all[static_cast<std::size_t>(held[1])]};
+    const Constraint* const on[2] = {&all[static_cast<std::size_t>(held[0])],
+                                     &all[static_cast<std::size_t>(held[1])]};
     double s[2];
     if (!onto(on, count, pair.width, s)) return false;
     a += s[0] * pair.width[0];

@@ -120,7 +120,7 @@ void check_coupling(const Kinematics& kinematics, const StiffnessCoupling& coupl
                      " rows: must have one per actuated DoF, " +
                      std::to_string(kinematics.layout().n_a()));
   }
-  if (kinematics.blocks().size() > 1 || !kinematics.limited_pairs().empty()) {
+  if (kinematics.blocks().size() > 1 || !kinematics.mechanisms().empty()) {
     throw SceneError(
         "stiffness matrix: must be diagonal for a hand, whose fingers are devices of their own: "
         "one "

@@ -9,8 +9,8 @@ namespace {
 /// Several fingers, no prior and a diagonal Z_q: Eq. (8) is Z_q S J^+ dx, and Eq. (15) a sum of
 /// squares by Z_q.
 bool keeps_guard(const ProjectionModel& model) noexcept {
-  const bool fingers = model.has_blocks() ? model.blocks().size() > 1
-                                          : model.kinematics().limited_pairs().size() > 1;
+  const bool fingers =
+      model.has_blocks() ? model.blocks().size() > 1 : model.kinematics().mechanisms().size() > 1;
   return fingers && !model.prior() && !model.coupling();
 }
 

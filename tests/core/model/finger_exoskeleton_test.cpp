@@ -29,14 +29,14 @@ bool valid(const FingerDimensions& d, const FingerPose& p) {
 
 struct Fixture : ::testing::Test {
   FingerDimensions dimensions = finger_sign_change();
-  std::unique_ptr<Kinematics> finger = make_finger_exoskeleton(dimensions);
+  std::unique_ptr<core::FingerExoskeleton> finger = make_finger_exoskeleton(dimensions);
 };
 using FingerExoskeleton = Fixture;
 
 /// Rules that every linkage keeps.
 struct EveryLinkage : ::testing::TestWithParam<FingerDimensions> {
   FingerDimensions dimensions = GetParam();
-  std::unique_ptr<Kinematics> finger = make_finger_exoskeleton(dimensions);
+  std::unique_ptr<core::FingerExoskeleton> finger = make_finger_exoskeleton(dimensions);
 
   /// Uniform in the box.
   VecQ random_pose(std::mt19937_64& random) const {
@@ -181,14 +181,14 @@ TEST_P(EveryLinkage, FollowsXWithRatesAndAccelerations) {
     const double mcp_dot = rate(random);
     const Eigen::Vector2d x(p.q_o1, p.q_o2), x_dot(mcp_dot, rate(random));
     VecQ now, ahead, behind;
-    Followed at;
+    core::FingerExoskeleton::Motion at;
     if (!valid(dimensions, p) || p.c1 < 0.004 || p.c2 < 0.004 ||
-        finger->inverse_inside(VecX(x + h * x_dot), ahead) != InverseStatus::kExact ||
-        finger->inverse_inside(VecX(x - h * x_dot), behind) != InverseStatus::kExact) {
+        finger->inverse(VecX(x + h * x_dot), ahead) != InverseStatus::kExact ||
+        finger->inverse(VecX(x - h * x_dot), behind) != InverseStatus::kExact) {
       continue;
     }
     ++poses;
-    ASSERT_EQ(finger->inverse_inside(VecX(x), now), InverseStatus::kExact);
+    ASSERT_EQ(finger->inverse(VecX(x), now), InverseStatus::kExact);
     ASSERT_EQ(finger->follow(x, x_dot, at), InverseStatus::kExact);
     EXPECT_EQ(VecQ(at.q), now);
     const VecQ q_dot = (ahead - behind) / (2.0 * h);
@@ -196,7 +196,7 @@ TEST_P(EveryLinkage, FollowsXWithRatesAndAccelerations) {
     EXPECT_LT((at.J * q_dot - x_dot).norm(), 1e-4 * x_dot.norm());
     EXPECT_LT((at.product + at.J * q_ddot).norm(), 1e-2 * (1.0 + at.product.norm()));
   }
-  Followed at;
+  core::FingerExoskeleton::Motion at;
   EXPECT_EQ(finger->follow({2.2, 1.0}, {0.0, 0.0}, at), InverseStatus::kUnreachable);
 }
 

@@ -235,7 +235,7 @@ TEST(Hands, TellTheMechanismOfEachPair) {
   const auto hand = make_hand_exoskeleton(five_fingers());
   const auto tracked = make_tracked_hand(five_fingers_on_a_palm());
   for (const Kinematics* map : {hand.get(), tracked.get()}) {
-    ASSERT_EQ(map->limited_pairs().size(), 5u);
+    ASSERT_EQ(map->mechanisms().size(), 5u);
     for (int i = 0; i < 5; ++i) {
       const Kinematics& finger = map->mechanism(i);
       const double size =

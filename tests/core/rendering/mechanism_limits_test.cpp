@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -22,7 +23,7 @@
 namespace haptic::core {
 namespace {
 
-using Limits = std::function<void(double, double, PairLimits&)>;
+using Limits = std::function<void(double, double, Constraints&)>;
 
 /// Another map without its closed form, its first two DoFs under these limits.
 class Limited final : public Kinematics {
@@ -37,16 +38,16 @@ class Limited final : public Kinematics {
   MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override {
     return map_->second_order(q, k, J_k);
   }
-  std::span<const int> limited_pairs() const noexcept override { return first_; }
-  MapStatus pair_limits(int, double a, double b, PairLimits& limits) const noexcept override {
-    if (!limits_) return map_->pair_limits(0, a, b, limits);
-    limits_(a, b, limits);
+  std::span<const Mechanism> mechanisms() const noexcept override { return {&self_, 1}; }
+  MapStatus constraints(const VecQ& q, Constraints& out) const noexcept override {
+    if (!limits_) return map_->constraints(q, out);
+    limits_(q[0], q[1], out);
     return MapStatus::kOk;
   }
   [[nodiscard]] const Kinematics& map() const { return *map_; }
 
  private:
-  static constexpr int first_[] = {0};
+  const Mechanism self_{this, 0};
   std::unique_ptr<Kinematics> map_;
   Limits limits_;
 };
@@ -57,8 +58,7 @@ Limited disk(bool with_line) {
   map.dofs = {{"a", Unit::kMetre, true, -1.0, 1.0}, {"b", Unit::kMetre, false, -1.0, 1.0}};
   map.coordinates = {{"x", Unit::kMetre}, {"y", Unit::kMetre}};
   map.A = Eigen::MatrixXd::Identity(2, 2);
-  return {make_linear(map), [with_line](double a, double b, PairLimits& limits) {
-            limits.fill({1.0, {0.0, 0.0}});
+  return {make_linear(map), [with_line](double a, double b, Constraints& limits) {
             limits[1] = {0.25 - a * a - b * b, {-2.0 * a, -2.0 * b}};
             if (with_line) limits[3] = {0.6 - a - b, {-1.0, -1.0}};
           }};
@@ -78,12 +78,21 @@ Projection solve_limited(const ProjectionModel& model, const VecX& x, const VecQ
   return out;
 }
 
-void expect_inside(const Kinematics& map, const VecQ& q, const std::string& what = {}) {
-  for (std::size_t i = 0; i < map.limited_pairs().size(); ++i) {
-    const int first = map.limited_pairs()[i];
-    PairLimits limits;
-    ASSERT_EQ(map.pair_limits(static_cast<int>(i), q[first], q[first + 1], limits), MapStatus::kOk);
-    for (const PairLimit& limit : limits) EXPECT_GE(limit.room, -1e-9) << what << " pair " << i;
+/// Least room of the constraints of a mechanism in a map at q; -infinity if it has no pose there.
+double least_room(const Mechanism& mechanism, const VecQ& q) {
+  Constraints constraints;
+  double least = HUGE_VAL;
+  if (mechanism.kinematics->constraints(q.segment(mechanism.first_q, 2), constraints) !=
+      MapStatus::kOk) {
+    return -HUGE_VAL;
+  }
+  for (const Constraint& constraint : constraints) least = std::min(least, constraint.room);
+  return least;
+}
+
+void expect_inside(const Kinematics& map, const VecQ& q) {
+  for (const Mechanism& each : map.mechanisms()) {
+    EXPECT_GE(least_room(each, q), -1e-9) << "mechanism at " << each.first_q;
   }
 }
 
@@ -92,16 +101,9 @@ bool allowed(const Kinematics& map, const VecQ& q) {
     const DofSpec& dof = map.dofs()[static_cast<std::size_t>(k)];
     if (q[k] < dof.lower || q[k] > dof.upper) return false;
   }
-  for (std::size_t i = 0; i < map.limited_pairs().size(); ++i) {
-    const int first = map.limited_pairs()[i];
-    PairLimits limits;
-    const int which = static_cast<int>(i);
-    if (map.pair_limits(which, q[first], q[first + 1], limits) != MapStatus::kOk) return false;
-    for (const PairLimit& limit : limits) {
-      if (limit.room < 0.0) return false;
-    }
-  }
-  return true;
+  const auto mechanisms = map.mechanisms();
+  return std::all_of(mechanisms.begin(), mechanisms.end(),
+                     [&q](const Mechanism& each) { return least_room(each, q) >= 0.0; });
 }
 
 /// No random allowed pose near q*, in steps of `size` times the box, may be nearer to x. Says
@@ -200,8 +202,8 @@ TEST(MechanismLimits, IterationEndsAtTheFingersOptimum) {
     const double least = (x - x_best).norm();
     if (least > 0.7) continue;  // far off the surface other minima are as near
     const VecQ seed = best + two(l(random), t(random));
-    PairLimits limits;
-    if (map.pair_limits(0, seed[0], seed[1], limits) != MapStatus::kOk) continue;
+    Constraints limits;
+    if (map.constraints(seed, limits) != MapStatus::kOk) continue;
     if (limits[0].room < 0.0 || limits[2].room < 0.0 || limits[4].room < 0.0) continue;
     ++judged;
     const Projection out = solve_limited(model_of(map), x, seed);
@@ -254,20 +256,16 @@ TEST(MechanismLimits, UnreachablePoseIsNearestInMetric) {
 /// not followed there, and near the answer nothing allowed is nearer.
 TEST(MechanismLimits, HoldEverySliderOfAHand) {
   const auto hand = make_tracked_hand(five_fingers_on_a_palm());
-  ASSERT_EQ(hand->limited_pairs().size(), 5u);
+  ASSERT_EQ(hand->mechanisms().size(), 5u);
   VecQ q = VecQ::Zero(hand->layout().n_q()), beyond;
   for (int f = 0; f < 5; ++f) q.segment<2>(6 + 2 * f) = two(0.0118, -0.15);
   beyond = q;
   // The index's slider 2 ends here: c2 is near its upper limit at small flexion.
-  PairLimits limits;
-  const int first = hand->limited_pairs()[1];
-  double least = HUGE_VAL;
-  for (int step = 0; step < 200 && least > -0.002; ++step) {
-    beyond[first + 1] += 0.005;
-    ASSERT_EQ(hand->pair_limits(1, beyond[first], beyond[first + 1], limits), MapStatus::kOk);
-    least = std::min({limits[0].room, limits[1].room, limits[2].room, limits[3].room});
+  const Mechanism& index = hand->mechanisms()[1];
+  for (int step = 0; step < 200 && least_room(index, beyond) > -0.002; ++step) {
+    beyond[index.first_q + 1] += 0.005;
   }
-  ASSERT_LT(least, -0.001) << "the proxy is beyond a slider's end";
+  ASSERT_LT(least_room(index, beyond), -0.001) << "the proxy is beyond a slider's end";
   VecX x;
   MatXQ J;
   ASSERT_EQ(hand->evaluate(beyond, x, J), MapStatus::kOk);

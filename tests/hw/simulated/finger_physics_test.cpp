@@ -9,7 +9,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "haptic/core/model/stylus.hpp"
 #include "hw/motion/minimum_jerk.hpp"
 #include "tests/hw/simulated/one_finger.hpp"
 
@@ -43,6 +45,11 @@ Eigen::Vector2d lever_arms(const Eigen::Vector2d& x) {
     w[i] = (q_ahead[0] - q_behind[0]) / (2 * h);
   }
   return w;
+}
+
+TEST(FingerPhysics, IsOfAFingerOnly) {
+  const std::shared_ptr<const core::Kinematics> stylus = core::make_stylus({});
+  EXPECT_THROW(FingerPhysics({}, stylus, Eigen::Vector2d::Zero()), core::DeviceError);
 }
 
 TEST(FingerPhysics, AFreeFingerReachesItsAim) {

@@ -78,13 +78,16 @@ TEST(SimulatedHandScene, NamesEachMistake) {
   });
 }
 
+const core::Mechanism& finger_of(const core::Kinematics& hand, int i) {
+  return hand.mechanisms()[static_cast<std::size_t>(i)];
+}
+
 /// The joint angles of finger i.
 core::VecX joints_of(const core::Kinematics& hand, const VecQ& q, int i) {
   core::VecX x;
   core::MatXQ J;
-  EXPECT_EQ(hand.mechanism(i).evaluate(
-                q.segment(hand.limited_pairs()[static_cast<std::size_t>(i)], 2), x, J),
-            core::MapStatus::kOk);
+  const core::Mechanism& finger = finger_of(hand, i);
+  EXPECT_EQ(finger.kinematics->evaluate(q.segment(finger.first_q, 2), x, J), core::MapStatus::kOk);
   return x;
 }
 
@@ -93,9 +96,10 @@ VecQ stopped(const core::Kinematics& hand, const VecQ& q, double stop) {
   VecQ at = q;
   for (int i = 0; i < hand.layout().n_a(); ++i) {
     const core::VecX x = joints_of(hand, q, i).cwiseMin(stop);
-    VecQ finger;
-    EXPECT_EQ(hand.mechanism(i).inverse(x, finger), core::InverseStatus::kExact);
-    at.segment<2>(hand.limited_pairs()[static_cast<std::size_t>(i)]) = finger;
+    const core::Mechanism& finger = finger_of(hand, i);
+    VecQ inverse;
+    EXPECT_EQ(finger.kinematics->inverse(x, inverse), core::InverseStatus::kExact);
+    at.segment<2>(finger.first_q) = inverse;
   }
   return at;
 }
@@ -141,8 +145,9 @@ TEST_P(HandScenes, EveryFingerGivesWay) {
     for (int j = 0; j < 2; ++j) {
       beyond = x;
       beyond[j] += 1e-6;
-      ASSERT_EQ(kinematics.mechanism(i).inverse(x, q), core::InverseStatus::kExact);
-      ASSERT_EQ(kinematics.mechanism(i).inverse(beyond, q_beyond), core::InverseStatus::kExact);
+      ASSERT_EQ(finger_of(kinematics, i).kinematics->inverse(x, q), core::InverseStatus::kExact);
+      ASSERT_EQ(finger_of(kinematics, i).kinematics->inverse(beyond, q_beyond),
+                core::InverseStatus::kExact);
       const double w = (q_beyond[0] - q[0]) / 1e-6;
       EXPECT_NEAR(0.6 * (x[j] - 0.524), w * tau, 1e-4) << i;
     }

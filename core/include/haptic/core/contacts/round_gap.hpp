@@ -1,8 +1,8 @@
 #pragma once
 /// The gap between a point and a round body (a plane, a cylinder, a sphere). Its gradient, its
 /// second order and the body's curvature tell it whole (core/METHOD.md#error-bound), if the
-/// coordinates are those of the point itself, in m, or two parallel hinges, in rad, the first of
-/// which carries the second.
+/// coordinates are those of the point itself, in m, or two parallel hinges, in rad; the first one
+/// carries the second.
 
 #include <cstdint>
 

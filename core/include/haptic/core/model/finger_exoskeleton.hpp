@@ -7,6 +7,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <string_view>
 
 #include "haptic/core/model/kinematics.hpp"
@@ -48,9 +49,43 @@ inline constexpr std::array<std::string_view, 2> kFingerLinkages{"finger_same_si
 /// The joints then follow q_B and l_x / size as before.
 [[nodiscard]] FingerDimensions scaled(const FingerDimensions& dimensions, double size) noexcept;
 
-/// Throws SceneError naming the dimension that cannot be (a length <= 0, a lower limit above its
-/// upper one, a linkage that closes nowhere in its box).
-[[nodiscard]] std::unique_ptr<Kinematics> make_finger_exoskeleton(
+class FingerExoskeleton final : public Kinematics {
+ public:
+  /// Throws SceneError naming the dimension that cannot be (a length <= 0, a lower limit above its
+  /// upper one, a linkage that closes nowhere in its box).
+  explicit FingerExoskeleton(const FingerDimensions& dimensions);
+  ~FingerExoskeleton() override;
+
+  [[nodiscard]] MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override;
+  [[nodiscard]] MapStatus position(const VecQ& q, VecX& x_probe) const noexcept override;
+  [[nodiscard]] MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override;
+  [[nodiscard]] InverseStatus inverse(const VecX& x, VecQ& q) const noexcept override;
+  [[nodiscard]] std::span<const Mechanism> mechanisms() const noexcept override;
+  [[nodiscard]] MapStatus constraints(const VecQ& q, Constraints& out) const noexcept override;
+  [[nodiscard]] Drawing drawing() const override;
+
+  /// A pose of the exoskeleton and how it moves there.
+  struct Motion {
+    Eigen::Vector2d q{Eigen::Vector2d::Zero()};
+    Eigen::Matrix2d J{Eigen::Matrix2d::Zero()};        ///< dx/dq
+    Eigen::Vector2d product{Eigen::Vector2d::Zero()};  ///< J_dot q_dot
+  };
+  /// inverse() of an x in reach, and in the same work J there and J_dot q_dot for the rates that
+  /// move x at `x_dot`: what a simulation that follows x needs. kUnreachable: `out` is untouched.
+  [[nodiscard]] InverseStatus follow(const Eigen::Vector2d& x, const Eigen::Vector2d& x_dot,
+                                     Motion& out) const noexcept;
+  /// J_dot q_dot: how x accelerates at constant q_dot.
+  [[nodiscard]] MapStatus velocity_product(const VecQ& q, const Eigen::Vector2d& q_dot,
+                                           Eigen::Vector2d& out) const noexcept;
+
+ private:
+  struct Parts;
+  std::unique_ptr<const Parts> parts_;
+  Mechanism self_;
+};
+
+/// Throws SceneError as the constructor does.
+[[nodiscard]] std::unique_ptr<FingerExoskeleton> make_finger_exoskeleton(
     const FingerDimensions& dimensions);
 
 }  // namespace haptic::core

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -41,22 +42,15 @@ struct DofSpec {
 /// S of these DoFs. Throws SceneError: none or more than kMaxQ, or none actuated.
 [[nodiscard]] DofLayout layout_of(const std::vector<DofSpec>& dofs);
 
-/// A limit of a mechanism other than the box (a slider's end), on two DoFs that follow each other
-/// in q: it holds while room >= 0. `room` may have any unit.
-struct PairLimit {
-  double room{0.0};
-  double slope[2]{};  ///< d room / dq; 0 if the limit is out of a step's reach
+/// A constraint on the DoFs of a mechanism besides their box, such as the end of a slider: it holds
+/// while room >= 0.
+struct Constraint {
+  double room{std::numeric_limits<double>::infinity()};  ///< of any unit
+  double gradient[2]{};  ///< d room / dq; 0 if the constraint is out of a step's reach
 };
-/// Both ends of two sliders, and the branch (core/METHOD.md#inverse-map).
-inline constexpr int kPairLimits = 5;
-using PairLimits = std::array<PairLimit, kPairLimits>;
-
-/// The answer of Kinematics::follow().
-struct Followed {
-  Eigen::Vector2d q{Eigen::Vector2d::Zero()};
-  Eigen::Matrix2d J{Eigen::Matrix2d::Zero()};        ///< dx/dq
-  Eigen::Vector2d product{Eigen::Vector2d::Zero()};  ///< J_dot q_dot
-};
+/// Of one mechanism; those that it does not have stay as they are made. A finger has both ends of
+/// two sliders, and the branch (core/METHOD.md#inverse-map).
+using Constraints = std::array<Constraint, 5>;
 
 /// Which of a map's independent blocks: bit i stands for the i-th of Kinematics::blocks(). A map
 /// without blocks counts as one block.
@@ -78,6 +72,13 @@ struct MapBlock {
   [[nodiscard]] int n_x() const noexcept;
 };
 
+/// A mechanism stands between two DoFs, which follow each other in q, and the joints that they
+/// turn. It is a map of its own: a finger, also of a hand.
+struct Mechanism {
+  const Kinematics* kinematics{nullptr};  ///< lives as long as the map it is a part of
+  int first_q{0};                         ///< index in q of its first DoF
+};
+
 class Kinematics {
  public:
   virtual ~Kinematics() = default;
@@ -96,27 +97,17 @@ class Kinematics {
   [[nodiscard]] virtual MapStatus position(const VecQ& q, VecX& x_probe) const noexcept;
   /// J_k = dJ/dq_k (n_x by n_q), the term Eq. (2), (5), (9) leave out.
   [[nodiscard]] virtual MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept = 0;
-  /// (sum_k q_dot_k J_k) q_dot (n_x): how x accelerates at constant q_dot. A map for which this is
-  /// cheaper than all J_k overrides it.
-  [[nodiscard]] virtual MapStatus velocity_product(const VecQ& q, const VecQ& q_dot,
-                                                   VecX& out) const noexcept;
   /// q = argmin ||x - f(q)|| over the box and the device's own constraints, stateless: Eq. (6).
   [[nodiscard]] virtual InverseStatus inverse(const VecX& /*x*/, VecQ& /*q*/) const noexcept {
     return InverseStatus::kNotOffered;
   }
-  /// inverse() if x can be reached; if not, q is untouched and nothing is searched.
-  [[nodiscard]] virtual InverseStatus inverse_inside(const VecX& /*x*/,
-                                                     VecQ& /*q*/) const noexcept {
-    return InverseStatus::kNotOffered;
-  }
-  /// Index in q of the first DoF of each pair with PairLimits; none: the box of dofs() says all.
-  [[nodiscard]] virtual std::span<const int> limited_pairs() const noexcept { return {}; }
-  /// The mechanism between the DoFs of pair `which` and the joints that they turn, as a map of its
-  /// own: a finger of a hand. Lives as long as this map.
-  [[nodiscard]] virtual const Kinematics& mechanism(int /*which*/) const noexcept { return *this; }
-  /// The limits of pair `which` with its DoFs at a and b; kCannotClose: it has no pose there.
-  [[nodiscard]] virtual MapStatus pair_limits(int /*which*/, double /*a*/, double /*b*/,
-                                              PairLimits& /*limits*/) const noexcept {
+  /// The mechanisms in this map that have constraints, in the order of q; none: the box of dofs()
+  /// says all.
+  [[nodiscard]] virtual std::span<const Mechanism> mechanisms() const noexcept { return {}; }
+  /// The constraints of a map that is such a mechanism, at its q. kCannotClose: it has no pose
+  /// there.
+  [[nodiscard]] virtual MapStatus constraints(const VecQ& /*q*/,
+                                              Constraints& /*out*/) const noexcept {
     return MapStatus::kCannotClose;
   }
   /// The independent parts of this map, in the order of q, q_a and x, covering all of them; empty
@@ -129,13 +120,6 @@ class Kinematics {
   /// The device as bodies that move, for a picture of it; without bodies: it has none. Not for the
   /// loop: it allocates.
   [[nodiscard]] virtual Drawing drawing() const;
-  /// inverse_inside(), and in the same work J at that q and velocity_product() for the rates that
-  /// move x at `x_dot`: what a simulation that follows x needs. Only of two DoFs, in closed form.
-  [[nodiscard]] virtual InverseStatus follow(const Eigen::Vector2d& /*x*/,
-                                             const Eigen::Vector2d& /*x_dot*/,
-                                             Followed& /*out*/) const noexcept {
-    return InverseStatus::kNotOffered;
-  }
   /// Mean of ||J_a|| (Frobenius) over the reachable workspace: the scale that the paper's Z_x
   /// factors out (section VI.C).
   [[nodiscard]] double mean_actuated_jacobian() const noexcept { return mean_J_a_; }

@@ -1,6 +1,6 @@
 #pragma once
-/// The limits of a mechanism other than the box of q (the ends of sliders, the branch of
-/// core/METHOD.md#inverse-map) as constraints of the iteration behind Eq. (6). If steps that
+/// The constraints of mechanisms (Kinematics::mechanisms: the ends of sliders, the branch of
+/// core/METHOD.md#inverse-map) in the iteration behind Eq. (6). If steps that
 /// break them were rejected instead, the iteration would stall (core/METHOD.md#worst-cases).
 ///
 /// If a linear step would break a limit, that limit is *engaged*: the two DoFs of its pair are
@@ -44,7 +44,8 @@ class MechanismLimits {
 
  private:
   static constexpr int kBox = 4;  ///< limits that are the box's
-  using All = std::array<PairLimit, kPairLimits + kBox>;
+  static constexpr int kOwn = static_cast<int>(std::tuple_size_v<Constraints>);
+  using All = std::array<Constraint, kOwn + kBox>;  ///< the mechanism's, then the box's
   /// Bounds of a step in turned DoFs, in widths.
   struct Bounds {
     double nearest{0.0}, farthest{std::numeric_limits<double>::infinity()};
@@ -54,7 +55,8 @@ class MechanismLimits {
     int ends_back{-1}, ends_on{-1};  ///< limits that set `back` and `on`
   };
   struct Pair {
-    int which{0}, first{0};
+    const Kinematics* mechanism{nullptr};
+    int first{0};
     double lower[2]{}, upper[2]{}, width[2]{};
     double seen[2]{};    ///< DoFs at the last look()
     double reach{-1.0};  ///< distance from `seen` without a limit, in widths; < 0: none known
@@ -77,7 +79,6 @@ class MechanismLimits {
   [[nodiscard]] std::span<Pair> pairs() noexcept { return {pairs_.data(), count_}; }
   [[nodiscard]] std::span<const Pair> pairs() const noexcept { return {pairs_.data(), count_}; }
 
-  const Kinematics* kinematics_;
   std::size_t count_{0};
   std::array<Pair, kMaxQ / 2> pairs_{};  ///< in place: a renderer is changed under way
 };

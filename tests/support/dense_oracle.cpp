@@ -36,13 +36,6 @@ VectorXd weighted_least_squares(const MatrixXd& A, const MatrixXd& W, const Vect
   return MatrixXd(A_t_W * A).ldlt().solve(A_t_W * b);
 }
 
-VectorXd regularised_least_squares(const MatrixXd& A, const VectorXd& b, const VectorXd& P,
-                                   const VectorXd& c) {
-  MatrixXd normal = A.transpose() * A;
-  normal.diagonal() += P;
-  return normal.ldlt().solve(A.transpose() * b + P.cwiseProduct(c));
-}
-
 MatrixXd inverse(const MatrixXd& A) {
   return A.fullPivLu().inverse();
 }

@@ -29,12 +29,6 @@ namespace haptic::oracle {
                                                      const Eigen::MatrixXd& W,
                                                      const Eigen::VectorXd& b);
 
-/// y of min ||A y - b||^2 + sum P_i (y_i - c_i)^2, P > 0, from the normal equations.
-[[nodiscard]] Eigen::VectorXd regularised_least_squares(const Eigen::MatrixXd& A,
-                                                        const Eigen::VectorXd& b,
-                                                        const Eigen::VectorXd& P,
-                                                        const Eigen::VectorXd& c);
-
 /// Inverse and determinant of a square matrix (LU with full pivoting).
 [[nodiscard]] Eigen::MatrixXd inverse(const Eigen::MatrixXd& A);
 [[nodiscard]] double determinant(const Eigen::MatrixXd& A);

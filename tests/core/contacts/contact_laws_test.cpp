@@ -8,7 +8,6 @@
 
 #include "haptic/core/contacts/plane_projection.hpp"
 #include "haptic/core/model/configuration_space.hpp"
-#include "tests/support/allocation_guard.hpp"
 #include "tests/support/vectors.hpp"
 
 namespace haptic::core {
@@ -200,17 +199,6 @@ TEST(ContactLaws, DirectionWithoutLengthSharesNothing) {
   laws.begin(kTick);
   EXPECT_EQ(laws.gives(ContactLaws::Vector::Ones()).contacts, 0u);
   EXPECT_GT(laws.give(0), 0.0);
-}
-
-TEST(ContactLaws, AllocateNothing) {
-  const ConfigurationSpace space(std::vector<Coordinate>(2));
-  PlaneProjection projection(space);
-  const PlaneSet set = pushed(law_of(1e-4, 0.0, 0.0, 0.0));
-  VecX x(2);
-  const haptic::test::AllocationGuard guard;
-  projection.set(set, two(0, 0));
-  static_cast<void>(projection.project(two(0.01, 0), x, 0.0, kTick));
-  EXPECT_EQ(guard.allocations(), 0u);
 }
 
 TEST(ContactLaws, RewoundObjectIsAsTold) {

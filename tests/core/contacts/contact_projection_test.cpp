@@ -142,43 +142,49 @@ bool every_subset(const PlaneSet& set, const VecX& probe, const Eigen::MatrixXd&
   return false;
 }
 
+/// Planes that can be met (every third run), and contacts, under any metric.
 TEST(ContactProjection, AgreesWithEverySubset) {
   std::mt19937 random(32);
   std::normal_distribution<double> normal(0.0, 1.0);
-  std::uniform_real_distribution<double> decade(-3.0, 2.0);
-  int held = 0, pinched = 0;
-  for (int n = 0; n < 3000; ++n) {
-    const int n_x = 2 + n % 4, p = 1 + n % 8;
-    Eigen::MatrixXd W = Eigen::MatrixXd::Identity(n_x, n_x);
+  std::uniform_real_distribution<double> decade(-3.0, 2.0), weight(0.2, 5.0);
+  int held[2]{}, pinched = 0;
+  for (int n = 0; n < 6000; ++n) {
+    const bool planes = n % 3 == 0;
+    const int n_x = 2 + n % 4, p = 1 + n % (planes ? 6 : 8);
+    Eigen::MatrixXd W = Eigen::MatrixXd::Identity(n_x, n_x), B(n_x, n_x);
     if (n % 2 == 1) {
-      Eigen::MatrixXd B(n_x, n_x);
-      for (double& entry : B.reshaped()) entry = normal(random);
+      for (double& entry : W.diagonal()) entry = weight(random);
+      for (double& entry : B.reshaped()) entry = n % 4 == 1 ? normal(random) : 0.0;
       W += oracle::product(B, B.transpose());
     }
+    VecX probe(n_x), inside(n_x), expected, x;
+    for (double& entry : probe.reshaped()) entry = 2.0 * normal(random);
+    for (double& entry : inside.reshaped()) entry = normal(random);
     PlaneSet set = contacts_of(n_x, p);
-    set.compliance.resize(p);
+    set.compliance.setZero(p);
     for (int i = 0; i < p; ++i) {
       for (int j = 0; j < n_x; ++j) set.normals(j, i) = normal(random);
       set.offsets[i] = normal(random);
+      if (planes) set.offsets[i] = set.normals.col(i).dot(inside) + std::abs(set.offsets[i]);
       // Rigid ones can always be met if they are fewer than coordinates.
-      set.compliance[i] = i < n_x - 1 && n % 3 != 0 ? 0.0 : std::pow(10.0, decade(random));
-      if (i > 0 && n % 5 == 0 && set.compliance[i] > 0.0) {  // pinches with the one before
+      if (planes || (i < n_x - 1 && n % 3 == 1)) continue;
+      set.compliance[i] = std::pow(10.0, decade(random));
+      if (i > 0 && n % 5 == 0) {  // pinches with the one before
         set.normals.col(i) = -set.normals.col(i - 1);
         set.offsets[i] = -set.offsets[i - 1] - 0.5;
         ++pinched;
       }
     }
-    VecX probe(n_x), expected, x;
-    for (double& entry : probe.reshaped()) entry = 2.0 * normal(random);
     ASSERT_TRUE(every_subset(set, probe, W, expected)) << n;
     const ConfigurationSpace space = line_space(n_x);
     PlaneProjection projection(space, TaskMetric::from_matrix(W));
     projection.set(set, VecX::Constant(n_x, 0.3));
     ASSERT_NE(projection.project(probe, x), PlaneStatus::kInfeasible) << n;
     ASSERT_NEAR((x - expected).norm(), 0.0, 1e-8 * (1.0 + (expected - probe).norm())) << n;
-    held += projection.active() != 0 ? 1 : 0;
+    held[planes ? 1 : 0] += projection.active() != 0 ? 1 : 0;
   }
-  EXPECT_GT(held, 2000);
+  EXPECT_GT(held[0], 2000);
+  EXPECT_GT(held[1], 500);
   EXPECT_GT(pinched, 500);
 }
 
@@ -427,7 +433,8 @@ TEST(ContactProjection, WrongNumbersLeaveTheContactOut) {
 
 TEST(ContactProjection, AllocatesNothing) {
   const VecX at = two(0.03, 0), used = two(0.02, 0.001);
-  const PlaneSet set = disc(two(0, 0), 0.03, at, 1.0);
+  PlaneSet set = disc(two(0, 0), 0.03, at, 1.0);
+  set.laws.setOnes(4, 1);
   const ConfigurationSpace space = line_space(2);
   PlaneProjection projection(space);
   VecX x(2);

@@ -184,22 +184,6 @@ TEST(SerialChain, PalmDerivativesAreSmoothThroughPi) {
   }
 }
 
-TEST(SerialChain, SecondDerivativesAreSymmetric) {
-  Random random(3);
-  const auto chain = make_serial_chain(branched_chain(random, true));
-  for (int s = 0; s < 50; ++s) {
-    const VecQ q = workspace_sample(*chain, s);
-    MatXQ J_i, J_k;
-    for (int i = 0; i < q.size(); ++i) {
-      ASSERT_EQ(chain->second_order(q, i, J_i), MapStatus::kOk);
-      for (int k = 0; k < i; ++k) {
-        ASSERT_EQ(chain->second_order(q, k, J_k), MapStatus::kOk);
-        EXPECT_LT((J_i.col(k) - J_k.col(i)).cwiseAbs().maxCoeff(), 1e-14) << i << ' ' << k;
-      }
-    }
-  }
-}
-
 /// Three joints at right angles, worked out by hand: turn by 90 degrees, lift by 0.1, point out.
 TEST(SerialChain, PlacesAHandWorkedArm) {
   SerialChainParameters parameters;

@@ -8,7 +8,6 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/rendering/renderer.hpp"
-#include "tests/core/model/derivatives.hpp"
 #include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core {
@@ -57,16 +56,6 @@ TEST(Stylus, PoseFollowsTrigonometry) {
                                 .toRotationMatrix();
   const Eigen::Quaterniond Q(x[6], x[3], x[4], x[5]);
   EXPECT_LT((Q.toRotationMatrix() - R).cwiseAbs().maxCoeff(), 1e-15);
-}
-
-TEST(Stylus, DerivativesMatchCentralDifferences) {
-  for (const auto& stylus : {make_stylus({}), make_stylus({}, marks())}) {
-    for (int s = 0; s < 500; ++s) {
-      const DerivativeErrors e = derivative_errors(*stylus, workspace_sample(*stylus, s));
-      EXPECT_LT(e.J, 2e-7);
-      EXPECT_LT(e.dJ, 5e-7);
-    }
-  }
 }
 
 /// The gimbal cannot be pushed, but it must not lock: full column rank all over the box.

@@ -1,71 +1,236 @@
-#include "haptic/core/passivity/spring_storage.hpp"
-
+// core/METHOD.md#actuator-limits and core/METHOD.md#energy-tank: the potential of springs that are
+// saturated each by itself, and of one whose Z_q is coupled, saturated as a whole.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <random>
+
+#include "haptic/core/passivity/energy_tank.hpp"
+#include "haptic/core/passivity/passivity_observer.hpp"
+#include "haptic/core/passivity/spring_storage.hpp"
+#include "tests/core/linear/random_matrix.hpp"
+#include "tests/support/dense_oracle.hpp"
 
 namespace haptic::core {
 namespace {
 
-SpringStorage three_springs(double gain = 1.0) {
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using samples::gaussian;
+
+struct Spring {
+  SpringStorage storage{};
+  MatrixXd Z{};
+  int weakest{-1};
+};
+
+/// Three DoFs of some 100 to 2000 N/m, limits of 1 to 6 N, gain 0.8. Not `coupled`: each for
+/// itself.
+Spring random_spring(std::mt19937_64& random, bool coupled = true) {
+  std::uniform_real_distribution<double> limit(1.0, 6.0), size(100.0, 1000.0);
+  Spring spring;
+  const MatrixXd root = gaussian(random, 3, 4);
+  spring.Z = size(random) * oracle::product(root, root.transpose());
+  spring.Z = (0.5 * (spring.Z + spring.Z.transpose())).eval();
+  spring.storage.stiffness = spring.Z.diagonal();
+  spring.storage.gain = 0.8;
+  spring.storage.limit = (VecA(3) << limit(random), limit(random), limit(random)).finished();
+  if (!coupled) return spring;
+  spring.storage.Z_q = spring.Z;
+  spring.weakest = spring.storage.hold_within(VecA(spring.storage.limit));
+  return spring;
+}
+
+VecA deviation(std::mt19937_64& random, double size) {
+  return size * VecA(gaussian(random, 3, 1));
+}
+
+TEST(SpringStorage, SeparateSpringsAreQuadraticThenLinear) {
   SpringStorage s;
   s.stiffness = (VecA(3) << 1000.0, 50.0, 0.0).finished();
   s.limit = (VecA(3) << 4.0, 1.0, 2.0).finished();
-  s.gain = gain;
-  return s;
-}
-
-VecA stretch(double a, double b, double c = 0.0) {
-  return (VecA(3) << a, b, c).finished();
-}
-
-TEST(SpringStorage, IsQuadraticThenLinear) {
-  const SpringStorage s = three_springs(0.5);
-  EXPECT_DOUBLE_EQ(s.energy(stretch(0.002, 0.0)), 0.5 * 0.5 * 1000.0 * 4e-6);
+  s.gain = 0.5;
+  const auto energy = [&s](double a, double c) {
+    return s.energy((VecA(3) << a, 0.0, c).finished());
+  };
+  EXPECT_DOUBLE_EQ(energy(0.002, 0.0), 0.5 * 0.5 * 1000.0 * 4e-6);
   // Saturates at 4 mm: 8 mJ up to there, 4 N over the further 6 mm.
-  EXPECT_DOUBLE_EQ(s.energy(stretch(-0.010, 0.0)), 0.5 * (0.008 + 4.0 * 0.006));
-  EXPECT_EQ(s.energy(stretch(0.0, 0.0, 5.0)), 0.0) << "no stiffness stores nothing";
+  EXPECT_DOUBLE_EQ(energy(-0.010, 0.0), 0.5 * (0.008 + 4.0 * 0.006));
+  EXPECT_EQ(energy(0.0, 5.0), 0.0) << "no stiffness stores nothing";
+  s.gain = 0.0;
+  EXPECT_EQ(s.scale_to(VecA::Ones(3), 0.0), 1.0) << "a spring without gain costs nothing";
 }
 
-TEST(SpringStorage, ForceIsTheEnergysGradient) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> wide(-0.03, 0.03);
-  const SpringStorage s = three_springs(0.7);
-  constexpr double h = 1e-7;
-  for (int n = 0; n < 500; ++n) {
-    const VecA d = stretch(wide(random), wide(random), wide(random));
+TEST(SpringStorage, ForceIsItsEnergysGradient) {
+  std::mt19937_64 random(1);
+  int beyond = 0;
+  for (int trial = 0; trial < 1500; ++trial) {
+    const SpringStorage s = random_spring(random, trial % 3 != 0).storage;
+    const VecA d = deviation(random, trial % 2 == 0 ? 1e-3 : 1e-2);
+    beyond += trial % 3 != 0 && s.length(d) > s.radius ? 1 : 0;
+    constexpr double h = 1e-7;
     for (int i = 0; i < 3; ++i) {
       VecA up = d, down = d;
       up[i] += h;
       down[i] -= h;
-      EXPECT_NEAR(s.force(d)[i], (s.energy(up) - s.energy(down)) / (2 * h), 1e-4);
-      EXPECT_LE(std::abs(s.force(d)[i]), 0.7 * s.limit[i]);
+      EXPECT_NEAR(s.force(d)[i], (s.energy(up) - s.energy(down)) / (2 * h), 2e-5 * 6.0);
+      EXPECT_LE(std::abs(s.force(d)[i]), s.gain * s.limit[i]);
+    }
+  }
+  EXPECT_GT(beyond, 300);
+  EXPECT_LT(beyond, 900);
+}
+
+TEST(SpringStorage, ScalingSpendsExactlyTheEnergyGiven) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  for (int trial = 0; trial < 3000; ++trial) {
+    const SpringStorage s = random_spring(random, trial % 3 != 0).storage;
+    const VecA d = deviation(random, trial % 2 == 0 ? 1e-3 : 2e-2);
+    const double energy = share(random) * s.energy(d);
+    const double scale = s.scale_to(d, energy);
+    ASSERT_GE(scale, 0.0);
+    ASSERT_LT(scale, 1.0);
+    EXPECT_NEAR(s.energy(VecA(scale * d)), energy, 1e-14);
+    EXPECT_EQ(s.scale_to(d, s.energy(d)), 1.0);
+    EXPECT_EQ(s.scale_to(d, 0.0), 0.0);
+    EXPECT_EQ(s.scale_to(d, -1e-3), 0.0);
+  }
+}
+
+/// The formulas of core/METHOD.md#actuator-limits, written out.
+TEST(CoupledSpring, IsLinearWithinItsRadius) {
+  std::mt19937_64 random(2);
+  for (int trial = 0; trial < 500; ++trial) {
+    const Spring spring = random_spring(random);
+    const SpringStorage& s = spring.storage;
+    const double r = (VectorXd(s.limit).array() / spring.Z.diagonal().array().sqrt()).minCoeff();
+    EXPECT_NEAR(s.radius, r, 1e-12 * r);
+    const VectorXd d = deviation(random, 5e-3);
+    const double L = std::sqrt(d.dot(spring.Z * d));
+    const VectorXd expected = 0.8 * std::min(1.0, r / L) * (spring.Z * d);
+    EXPECT_LT((VectorXd(s.force(VecA(d))) - expected).norm(), 1e-11);
+    const double V = L <= r ? 0.5 * L * L : r * L - 0.5 * r * r;
+    EXPECT_NEAR(s.energy(VecA(d)), 0.8 * V, 1e-13);
+  }
+}
+
+TEST(CoupledSpring, NoComponentPassesItsLimit) {
+  std::mt19937_64 random(3);
+  for (int trial = 0; trial < 300; ++trial) {
+    const Spring spring = random_spring(random);
+    const SpringStorage& s = spring.storage;
+    for (int i = 0; i < 100; ++i) {
+      const VecA tau = s.force(deviation(random, 1.0));
+      for (int k = 0; k < 3; ++k) ASSERT_LE(std::abs(tau[k]), s.gain * s.limit[k]);
+    }
+    // Cauchy-Schwarz is met with equality along its own axis.
+    ASSERT_GE(spring.weakest, 0);
+    const VecA tau = s.force(VecA(VecA::Unit(3, spring.weakest)));
+    EXPECT_NEAR(tau[spring.weakest], s.gain * s.limit[spring.weakest], 1e-11);
+    EXPECT_LE(tau[spring.weakest], s.gain * s.limit[spring.weakest]) << "not even by rounding";
+  }
+}
+
+TEST(CoupledSpring, DiagonalZqMatchesSeparateSprings) {
+  SpringStorage separate;
+  separate.stiffness = (VecA(2) << 1500.0, 400.0).finished();
+  separate.limit = (VecA(2) << 5.0, 4.0).finished();
+  separate.gain = 0.5;
+  SpringStorage whole = separate;
+  whole.Z_q = MatAA(separate.stiffness.asDiagonal());
+  whole.hold_within(separate.limit);
+  const VecA d = (VecA(2) << 1e-3, -2e-3).finished();
+  ASSERT_LT(whole.length(d), whole.radius);
+  EXPECT_NEAR(whole.energy(d), separate.energy(d), 1e-18);
+  EXPECT_LT((whole.force(d) - separate.force(d)).norm(), 1e-15);
+}
+
+/// Loops of q in all planes, small and far into saturation: with q* held nothing comes back.
+TEST(CoupledSpring, ClosedPathsExchangeNoEnergy) {
+  std::mt19937_64 random(4);
+  constexpr int kSteps = 4000;
+  for (int trial = 0; trial < 60; ++trial) {
+    const SpringStorage s = random_spring(random).storage;
+    const VecA middle = deviation(random, 4e-3), a = deviation(random, 6e-3),
+               b = deviation(random, 6e-3);
+    double net = 0.0, moved = 0.0, longest = 0.0;
+    const auto at = [&](int i) {
+      const double phase = 2.0 * std::numbers::pi * i / kSteps;
+      return VecA(middle + std::cos(phase) * a + std::sin(phase) * b);
+    };
+    for (int i = 0; i < kSteps; ++i) {
+      const VecA from = at(i), to = at(i + 1);
+      const double part = s.force(VecA(0.5 * (from + to))).dot(to - from);
+      net += part;
+      moved += std::abs(part);
+      longest = std::max(longest, s.length(to));
+    }
+    ASSERT_GT(longest, s.radius);
+    EXPECT_LT(std::abs(net), 2e-6 * moved);
+  }
+}
+
+/// The tank pays V after - V before, neither more nor less, or shortens d to what it can pay.
+TEST(CoupledSpring, TankPaysThePotentialsChange) {
+  std::mt19937_64 random(6);
+  for (int trial = 0; trial < 500; ++trial) {
+    const SpringStorage s = random_spring(random).storage;
+    const VecA before = deviation(random, 2e-3), wanted = deviation(random, 6e-3);
+    EnergyTank tank({true, 5e-3, 0.05, 0.0});
+    const double V = s.energy(before);
+    const double scale = tank.admit(V, s, wanted);
+    EXPECT_NEAR(s.energy(VecA(scale * wanted)) - V + tank.level(), 5e-3, 1e-12)
+        << "what was there is still there, in spring and tank";
+    if (scale < 1.0) {
+      EXPECT_EQ(tank.level(), 0.0);
     }
   }
 }
 
-TEST(SpringStorage, ScalingSpendsExactlyTheEnergyGiven) {
-  std::mt19937 random(6);
-  std::uniform_real_distribution<double> wide(-0.05, 0.05), share(0.0, 1.0);
-  const SpringStorage s = three_springs(0.9);
-  for (int n = 0; n < 2000; ++n) {
-    const VecA d = stretch(wide(random), wide(random), wide(random));
-    const double energy = share(random) * s.energy(d);
-    const double scale = s.scale_to(d, energy);
-    ASSERT_GE(scale, 0.0);
-    ASSERT_LE(scale, 1.0);
-    EXPECT_NEAR(s.energy(VecA(scale * d)), energy, 1e-14);
-  }
+TEST(CoupledSpring, ZeroStiffnessOrForceStoresNothing) {
+  SpringStorage s;
+  s.Z_q = MatAA::Zero(2, 2);
+  s.gain = 1.0;
+  EXPECT_EQ(s.hold_within(VecA::Ones(2)), -1);
+  EXPECT_EQ(s.energy(VecA::Ones(2)), 0.0);
+  EXPECT_EQ(s.force(VecA::Ones(2)).norm(), 0.0);
+  s.Z_q = (MatAA(2, 2) << 4.0, 1.0, 1.0, 9.0).finished();
+  s.hold_within(VecA::Zero(2));  // a session may take all force away
+  EXPECT_EQ(s.energy(VecA::Ones(2)), 0.0);
+  EXPECT_EQ(s.force(VecA::Ones(2)).norm(), 0.0);
+  EXPECT_EQ(s.scale_to(VecA::Ones(2), 0.0), 1.0);
 }
 
-TEST(SpringStorage, ScalesByTheSquareRoot) {
-  const VecA d = stretch(0.003, 0.004);
-  const SpringStorage s = three_springs();
-  EXPECT_NEAR(s.scale_to(d, 0.25 * s.energy(d)), 0.5, 1e-15);
-  EXPECT_EQ(s.scale_to(d, s.energy(d)), 1.0);
-  EXPECT_EQ(s.scale_to(d, 0.0), 0.0);
-  EXPECT_EQ(s.scale_to(d, -1.0), 0.0);
-  EXPECT_EQ(three_springs(0.0).scale_to(d, 0.0), 1.0) << "a spring without gain costs nothing";
+/// core/METHOD.md#passivity-observer: -alpha Z_q v takes what is missing in one tick, and alpha is
+/// bounded by the inertia.
+TEST(CoupledSpring, ObserversDampingTakesTheMissingEnergy) {
+  constexpr double T = 1e-3;
+  std::mt19937_64 random(8);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Spring spring = random_spring(random);
+    ObserverSettings settings;
+    settings.enabled = true;
+    settings.inertia = (VecA(3) << 0.5, 2.0, 1.0).finished();
+    const VecA dq = deviation(random, 1e-4);
+    const MatAA Z_q = spring.Z;
+    PassivityObserver observer(settings, 3);
+    HoldAccount account;
+    account.leak = 1e-9;
+    observer.observe(account, dq, T, {.Z_q = Z_q});
+    EXPECT_NEAR(-observer.tau().dot(dq), 1e-9, 1e-20) << "over a tick of the same motion";
+    EXPECT_LT((observer.tau() + observer.alpha() * VecA(spring.Z * VectorXd(dq)) / T).norm(),
+              1e-12);
+
+    account.leak = 1.0;  // far more than may be taken at once
+    observer.observe(account, dq, T, {.Z_q = Z_q});
+    const VectorXd root = VectorXd(settings.inertia).cwiseSqrt().cwiseInverse();
+    const MatrixXd relative = root.asDiagonal() * spring.Z * root.asDiagonal();
+    const double bound = 1.0 / (2.0 * T * oracle::singular_values(relative)[0]);
+    EXPECT_LE(observer.alpha(), bound * (1.0 + 1e-12));
+    EXPECT_GE(observer.alpha(), bound / std::sqrt(3.0)) << "but near it";
+  }
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
-// Other readers of a Z_q that is not diagonal: the prior (core/METHOD.md#projection-algorithm) and
-// the displayed impedance, Eq. (9).
+// The displayed impedance, Eq. (9), of a Z_q that is not diagonal.
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
+#include <random>
+#include <string>
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/hand_exoskeleton.hpp"
@@ -11,7 +11,6 @@
 #include "haptic/core/rendering/renderer.hpp"
 #include "tests/core/linear/random_matrix.hpp"
 #include "tests/core/model/sample_hands.hpp"
-#include "tests/core/rendering/function_map.hpp"
 #include "tests/report/analysis/displayed_impedance.hpp"
 #include "tests/support/dense_oracle.hpp"
 
@@ -20,91 +19,12 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using samples::FunctionMap;
 using samples::gaussian;
-
-const MatrixXd kZ = (Eigen::Matrix2d() << 1.0, 4.0, 4.0, 50.0).finished();
-const VecX kTarget = (VecX(2) << 0.5, 0.9).finished();
 
 ProjectionSettings coupled(const MatrixXd& Z) {
   ProjectionSettings settings;
   settings.coupling = std::make_shared<const StiffnessCoupling>(Z);
   return settings;
-}
-
-ProjectionSettings coupled_prior(const MatrixXd& Z, double mu, const VecQ& M_n) {
-  ProjectionSettings settings = coupled(Z);
-  settings.prior = Prior{mu, M_n};
-  settings.iteration = {400, 1e-15};
-  return settings;
-}
-
-/// tests/report/STUDY.md#curved-wide-map, with a Z_q that couples.
-TEST(CoupledPrior, NoCyclePumpsEnergy) {
-  const FunctionMap map = samples::wide_map();
-  const ProjectionSettings settings = coupled_prior(kZ, 0.1, VecQ::Ones(1));
-  const ProjectionModel model(map, settings);
-  for (const auto& [i, j] : {std::pair{0, 1}, {0, 2}, {1, 2}}) {
-    Renderer renderer(RendererKind::kSubspaceExact, model);
-    constexpr int kPoints = 1501;
-    double work = 0.0, amount = 0.0;
-    VectorXd last_tau, last_q;
-    for (int k = 0; k < kPoints; ++k) {
-      const double phase = 2.0 * std::numbers::pi * k / (kPoints - 1);
-      VecQ q = (VecQ(3) << .2, .1, .15).finished();
-      q[i] += 0.15 * std::cos(phase);
-      q[j] += 0.15 * std::sin(phase);
-      VecX x_probe, dx;
-      MatXQ J;
-      static_cast<void>(map.evaluate(q, x_probe, J));
-      map.space().difference(kTarget, x_probe, dx);
-      Projection out;
-      renderer.project(Probe{q, x_probe, J}, kTarget, dx, settings.coupling->scene_stiffness(),
-                       k == 0, out);
-      ASSERT_EQ(out.status, ProjectionStatus::kConverged);
-      const VectorXd tau = kZ * VectorXd((out.q_star - q).head(2));
-      const VectorXd q_a = q.head(2);
-      if (k > 0) {
-        const double part = 0.5 * (tau + last_tau).dot(q_a - last_q);
-        work += part;
-        amount += std::abs(part);
-      }
-      last_tau = tau;
-      last_q = q_a;
-    }
-    EXPECT_LT(std::abs(work), 1e-11 * amount) << i << j;
-  }
-}
-
-/// On a linear map the minimum is a linear system, written out here.
-TEST(CoupledPrior, LinearMapSolvesTheNormalEquations) {
-  std::mt19937_64 random(4);
-  for (int trial = 0; trial < 200; ++trial) {
-    const int n_x = 1 + trial % 4, n_q = 3 + trial % 3;
-    const MatrixXd A = gaussian(random, n_x, n_q);
-    const FunctionMap map(
-        samples::dofs(n_q, 2, 1e6), samples::coordinates(n_x),
-        [A](const VecQ& q) { return VecX(A * q); }, [A](const VecQ&) { return MatXQ(A); });
-    const double mu = std::pow(10.0, -trial % 3);
-    const MatrixXd root = gaussian(random, 2, 3);
-    const MatrixXd Z = oracle::product(root, root.transpose());
-    const VecQ M_n = VecQ::Constant(n_q - 2, 0.7);
-    const ProjectionModel model(map, coupled_prior(0.5 * (Z + Z.transpose()), mu, M_n));
-    const VecQ q = gaussian(random, n_q, 1);
-    const VecX x = gaussian(random, n_x, 1);
-    MatrixXd M = MatrixXd::Identity(n_q, n_q) * 0.7;
-    M.topLeftCorner(2, 2) = Z;
-    const MatrixXd normal = oracle::product(A.transpose(), A) + mu * M;
-    const VectorXd want = q + oracle::inverse(normal) * (A.transpose() * (x - A * q));
-    for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
-      Renderer renderer(kind, model);
-      Projection out;
-      const MatXQ J = A;
-      const VecX at = A * q, dx = x - at;
-      renderer.project(Probe{q, at, J}, x, dx, model.coupling()->scene_stiffness(), true, out);
-      ASSERT_LT((out.q_star - want).norm(), 1e-9 * (1.0 + want.norm()) / mu) << name(kind);
-    }
-  }
 }
 
 std::vector<ChainOutput> marks() {  // three points that are not in a line

@@ -197,27 +197,6 @@ TEST(Iteration, UnreachableProxiesEndBoundedAndReported) {
   }
 }
 
-/// The same proxies by the closed form with its constraints: the figures of
-/// tests/report/STUDY.md#unreachable-proxies, which come from a search: 0.02 degrees above the
-/// optimum in two rows, so ours may be below.
-TEST(ClosedForm, UnreachableProxiesGiveTheGlobalOptimum) {
-  const auto finger = make_finger_exoskeleton(finger_sign_change());
-  struct Row {
-    double x0, x1, residual_deg, l_mm, q_B_deg;
-  };
-  for (const Row& row : {Row{-0.5, 0.3, 4.87, 10.15, 41.5}, Row{-0.7, 0.35, 16.07, 10.15, 41.5},
-                         Row{-1.0, 0.3, 33.26, 10.15, 41.5}, Row{-0.5, -0.5, 38.66, 0.0, 32.25}}) {
-    SubspaceExact exact(*finger);
-    const Projection out = solve(exact, *finger, (VecQ(2) << 0.004, 0.4).finished(),
-                                 (VecX(2) << row.x0, row.x1).finished());
-    EXPECT_EQ(out.status, ProjectionStatus::kUnreachable);
-    EXPECT_NEAR(out.residual / kDegree, row.residual_deg, 0.03);
-    EXPECT_LT(out.residual / kDegree, row.residual_deg + 0.005);
-    EXPECT_NEAR(out.q_star[0] * 1e3, row.l_mm, 0.3);
-    EXPECT_NEAR(out.q_star[1] / kDegree, row.q_B_deg, 0.3);
-  }
-}
-
 /// x = a R(q): one sensed angle on a full circle.
 FunctionMap turntable() {
   std::vector<DofSpec> list = samples::dofs(2, 1, 2.0 * std::numbers::pi);

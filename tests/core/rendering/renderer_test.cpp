@@ -91,20 +91,6 @@ TEST(Renderers, AgreeWithDenseAlgebra) {
   }
 }
 
-TEST(Renderers, LinearMapExactAndLinearisedAgree) {
-  std::mt19937_64 random(4);
-  const auto map = linear_map((Eigen::Matrix2d() << 1.2, 0.4, -0.3, 0.9).finished(), 1);
-  const VecA Z_q = VecA::Constant(1, 1000.0);
-  for (int i = 0; i < 1000; ++i) {
-    const VecQ q = random_matrix(random, 2, 1);
-    const VecX x = random_matrix(random, 2, 1);
-    Projection linear, exact;
-    static_cast<void>(force(RendererKind::kSubspaceLinear, *map, q, x, Z_q, &linear));
-    static_cast<void>(force(RendererKind::kSubspaceExact, *map, q, x, Z_q, &exact));
-    ASSERT_LT((linear.q_star - exact.q_star).norm(), 1e-14 * (1.0 + linear.q_star.norm()) * 4);
-  }
-}
-
 /// tests/report/STUDY.md#block-diagonal-map: 3-DoF force, 6-DoF sensing, block-diagonal J.
 TEST(Renderers, BlockDiagonalStandardIsNullSpace) {
   std::mt19937_64 random(5);

@@ -102,17 +102,6 @@ TEST_F(ActuationTest, EachActuatorIsSaturatedByItself) {
   EXPECT_TRUE(effort.actuator_limiters[1].has(Limiter::kSaturation));
 }
 
-TEST_F(ActuationTest, SaturatesACoupledSpringAsOne) {
-  const MatAA Z_q = (MatAA(2, 2) << 1000.0, 300.0, 300.0, 500.0).finished();
-  config.projection.coupling = std::make_shared<const StiffnessCoupling>(Z_q);
-  anchor.q_star = two(0.0, -0.5);
-  const Effort effort = first_step();
-  EXPECT_NEAR(effort.tau_a[0] / effort.tau_a[1], 300.0 / 500.0, 1e-9) << "the direction stays";
-  EXPECT_NEAR(effort.tau_a[1], -10.0, 1e-6);
-  EXPECT_TRUE(effort.actuator_limiters[1].has(Limiter::kSaturation));
-  EXPECT_FALSE(effort.actuator_limiters[0].any());
-}
-
 TEST_F(ActuationTest, GuardWithholdsForceAwayFromProxy) {
   config.scene.direction_guard = true;
   dx = two(-0.004, 0.002);

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "haptic/core/error.hpp"
@@ -125,40 +124,6 @@ TEST(CoupledStiffness, TheGainScalesTheWholeForce) {
   EXPECT_GT(ramping, 150);
 }
 
-/// Trapezoids of what is held, over loops that leave the radius and come back, the proxy held.
-TEST(CoupledStiffness, NoCycleReturnsEnergy) {
-  for (const RendererKind renderer : kSubspace) {
-    for (const double direction : {1.0, -1.0}) {
-      CoupledBench bench(coupled_config(renderer));
-      bench.engage();
-      bench.target = (VecQ(3) << 0.002, 0.001, -0.001).finished();
-      constexpr int kSteps = 4000;
-      double net = 0.0, moved = 0.0;
-      int saturated = 0;
-      VecA last;
-      Vector2d from;
-      for (int i = 0; i <= kSteps; ++i) {
-        const double phase = direction * 2.0 * std::numbers::pi * i / kSteps;
-        bench.q() = (VecQ(3) << 0.006 * std::cos(phase), 0.003 * std::sin(2.0 * phase),
-                     0.006 * std::sin(phase))
-                        .finished();
-        const TickRecord& record = bench.tick();
-        saturated += record.limiters().has(Limiter::kSaturation) ? 1 : 0;
-        if (i > 0) {
-          const double part = 0.5 * Vector2d(record.effort.tau_a + last).dot(bench.q_a() - from);
-          net += part;
-          moved += std::abs(part);
-        }
-        last = record.effort.tau_a;
-        from = bench.q_a();
-      }
-      EXPECT_GT(saturated, kSteps / 10);
-      EXPECT_LT(saturated, kSteps);
-      EXPECT_LT(std::abs(net), 1e-6 * moved) << name(renderer);
-    }
-  }
-}
-
 /// A warm second winding narrows the whole spring; cut off alone it would turn the force.
 TEST(CoupledStiffness, WarmWindingReducesTheWholeForce) {
   PipelineConfig config = coupled_config(RendererKind::kSubspaceExact);
@@ -183,42 +148,6 @@ TEST(CoupledStiffness, WarmWindingReducesTheWholeForce) {
   EXPECT_TRUE(bench.record.effort.actuator_limiters[1].has(Limiter::kTemperature));
   EXPECT_FALSE(bench.record.limiters().has(Limiter::kSaturation)) << "one reason, the right one";
   EXPECT_FALSE(bench.record.effort.actuator_limiters[0].any());
-}
-
-TEST(CoupledStiffness, SessionLowersDiagonalAndCouplingTogether) {
-  CoupledBench bench(coupled_config(RendererKind::kSubspaceExact));
-  bench.input.settings.id = 1;
-  bench.input.settings.stiffness =
-      (VecA(2) << 225.0, 1e9).finished();  // a quarter; at most the scene's
-  bench.engage();
-  Matrix2d Z = kZ;
-  Z(0, 0) /= 4.0;
-  Z(0, 1) /= 2.0;
-  Z(1, 0) /= 2.0;
-  bench.target = (VecQ(3) << 0.003, 0.0, 0.001).finished();
-  EXPECT_LT((Vector2d(bench.tick().effort.tau_a) - law(bench.d(), Z)).norm(), 1e-10);
-  bench.input.settings.id = 2;
-  bench.input.settings.stiffness = (VecA(2) << 0.0, 600.0).finished();
-  const TickRecord& record = bench.tick();
-  EXPECT_EQ(record.effort.tau_a[0], 0.0) << "without stiffness no force, not by coupling either";
-  EXPECT_NEAR(record.effort.tau_a[1], 0.6, 1e-10);
-}
-
-TEST(CoupledStiffness, EngageJudgesForceOfAllDofs) {
-  PipelineConfig config = coupled_config(RendererKind::kSubspaceExact);
-  config.scene.engage_window = VecA::Constant(2, 1.0);
-  CoupledBench bench(config);
-  bench.target = (VecQ(3) << 0.002, 0.0, -0.002).finished();  // (0.8, -0.2) N; 1.8 N uncoupled
-  bench.engage();
-  CoupledBench other(config);
-  other.target =
-      (VecQ(3) << 0.001, 0.0, 0.001).finished();  // (1.4, 1.1) N; 0.9 and 0.6 N uncoupled
-  other.run(250);
-  ++other.input.command.engage_id;
-  const EngageAnswer answer = other.tick().life.engage;
-  EXPECT_EQ(answer.verdict, EngageVerdict::kOutsideWindow);
-  EXPECT_EQ(answer.index, 0);
-  EXPECT_NEAR(answer.value, 1.4, 1e-10);
 }
 
 TEST(CoupledStiffness, IsForTheSubspaceMethodsOnly) {
@@ -342,29 +271,6 @@ TEST(CoupledStiffness, RendersPlanesWithTheDirectionGuard) {
     }
     EXPECT_GT(felt, 100);
     EXPECT_EQ(withheld, 0) << "d^T Z_q d >= 0: on a linear map the guard has nothing against it";
-  }
-}
-
-TEST(CoupledStiffness, AllocatesNothingAndReplaysExactly) {
-  PipelineConfig config = guarded(RendererKind::kSubspaceExact, 0.01);
-  config.scene.direction_guard = true;
-  config.ratings.resize(2);
-  config.ratings[0].power = 0.5;
-  config.ratings[1].thermal = ThermalParameters{};
-  CoupledBench bench(config), again(config);
-  bench.engage();
-  again.engage();
-  std::mt19937_64 random(5);
-  for (int i = 0; i < 500; ++i) {
-    bench.q() = again.q() = anywhere(random, 0.003);
-    bench.target = again.target = anywhere(random, 0.006);
-    if (i == 100) {  // a session's settings, in the loop as well
-      bench.input.settings.id = again.input.settings.id = 7;
-      bench.input.settings.stiffness = again.input.settings.stiffness =
-          (VecA(2) << 700.0, 600.0).finished();
-    }
-    bench.tick();
-    ASSERT_TRUE(identical(bench.record, again.tick()));
   }
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 /// A pipeline in virtual time at 1 kHz: an armed device, the holder of a lease, and a client that
-/// speaks in every tick. Its first sample is free: the probe comes from outside. No tick allocates.
+/// speaks in every tick. Its first sample is free: the probe comes from outside. Every tick is held
+/// to two rules: it allocates nothing, and another pipeline answers the same bits to the input that
+/// its record has.
 
 #include <gtest/gtest.h>
 
@@ -11,7 +13,7 @@ namespace haptic::core::test {
 
 class Driven {
  public:
-  explicit Driven(const PipelineConfig& config) : pipeline(config) {
+  explicit Driven(const PipelineConfig& config) : pipeline(config), again_(config) {
     input.settings = config.scene;
     input.device.armed = true;
     input.command.tenure = input.proxy.tenure = 1;
@@ -41,6 +43,7 @@ class Driven {
     record = pipeline.tick(input);
     EXPECT_EQ(guard.allocations() + guard.releases(), 0u);
     if (first) mode = ProxyMode::kHeld;
+    if (replays) EXPECT_TRUE(identical(again_.tick(record.input), record)) << record.beat.tick;
     return record;
   }
   const TickRecord& run(int ticks) {
@@ -61,9 +64,13 @@ class Driven {
   Pipeline pipeline;
   TickInput input{};
   TickRecord record{};  ///< of the last tick
+  bool replays{true};
 
  protected:
   virtual void prepare() {}  ///< what else the client's next sample carries
+
+ private:
+  Pipeline again_;
 };
 
 }  // namespace haptic::core::test

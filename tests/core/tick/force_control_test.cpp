@@ -200,21 +200,6 @@ TEST(ForceControlInTheTick, CellsNeedALoopEach) {
   EXPECT_THROW(Pipeline{config}, SceneError);
 }
 
-TEST(ForceControlInTheTick, SampleWithoutForceIsAFault) {
-  Bench bench(with_loop());
-  bench.input.device.sample.tau_measured = VecA::Zero(1);
-  bench.engage();
-  bench.input.device.sample.tau_measured = VecA{};
-  EXPECT_TRUE(bench.tick().faults().has(Fault::kSampleNotFinite));
-}
-
-TEST(ForceControlInTheTick, NonFiniteForceIsAFault) {
-  Bench bench(config_of(RendererKind::kSubspaceExact));
-  bench.engage();
-  bench.input.device.sample.tau_measured = VecA::Constant(1, std::nan(""));
-  EXPECT_TRUE(bench.tick().faults().has(Fault::kSampleNotFinite));
-}
-
 TEST(ForceControlInTheTick, EnergyBookTakesTheForceHeld) {
   PipelineConfig config = with_tank(RendererKind::kSubspaceExact, 0.05);
   config.passivity.observer.enabled = true;

@@ -114,18 +114,6 @@ TEST(IdleFinger, FreeModeTellsTheStateToo) {
   }
 }
 
-TEST(IdleFinger, IsReplayedToTheBit) {
-  for (const RendererKind renderer : kAllRenderers) {
-    Hand hand(3, renderer, ProxyMode::kPlanes, true);
-    Pipeline again(hand.pipeline.config());
-    for (int i = 0; i < 900; ++i) {
-      if (i == 250) ++hand.input.command.engage_id;
-      const TickRecord record = hand.tick();
-      ASSERT_TRUE(identical(again.tick(record.input), record)) << i;
-    }
-  }
-}
-
 /// core/METHOD.md#hand-without-prior: what the scene loader refuses, the pipeline refuses by
 /// itself.
 TEST(PipelineConfig, UndeterminedMapNeedsAPrior) {

@@ -188,24 +188,6 @@ TEST(PalmTracker, SessionMayOnlyTightenLimits) {
   EXPECT_NEAR(wide.run(140).life.gain, 0.5, 1e-12);  // 140 ms: half-way from 100 to 180
 }
 
-TEST(PalmTracker, AllocatesNothingAndReplaysExactly) {
-  Pipeline again(config_with_tracker());
-  Rig live;
-  for (int i = 0; i < 600; ++i) {
-    live.tracking = i < 300 || i > 550;
-    if (i == 260) ++live.input.command.engage_id;
-    live.input.tracker.pose[0] = kPressed * std::sin(0.01 * i);
-    const TickRecord record = live.tick();
-    ASSERT_TRUE(identical(again.tick(record.input), record)) << i;
-  }
-  TickRecord a = live.tick(), b = a;
-  b.input.tracker.pose[5] = 0.31;
-  EXPECT_FALSE(identical(a, b));
-  b = a;
-  b.sensed.tracker.age += 1ns;
-  EXPECT_FALSE(identical(a, b));
-}
-
 TEST(PalmTracker, NeedsSensedDofsAndConsistentLimits) {
   const auto wrong = [](const TrackerSettings& tracker) -> std::string {
     PipelineConfig config = config_with_tracker();

@@ -121,27 +121,6 @@ TEST(TankInTheTick, AbsentItChangesNoBit) {
   }
 }
 
-TEST(TankInTheTick, AllocatesNothingAndReplaysExactly) {
-  PipelineConfig config = with_tank(RendererKind::kSubspaceLinear, 0.001);
-  config.passivity.observer.enabled = true;
-  config.passivity.observer.inertia = VecA::Constant(1, 0.05);
-  config.passivity.device_damping = VecA::Constant(1, 1.0);
-  Bench again(config), third(config);
-  again.engage();
-  third.engage();
-  for (int i = 0; i < 300; ++i) {
-    again.target = third.target = joints(0.5 + 0.2 * std::sin(0.2 * i), 0.5);
-    const TickRecord a = again.tick();
-    TickRecord b = third.tick();
-    ASSERT_TRUE(identical(a, b));
-    b.effort.passivity.tank += 1e-18;
-    ASSERT_EQ(identical(a, b), a.effort.passivity.tank == b.effort.passivity.tank);
-    b = a;
-    b.effort.passivity.throttled = !a.effort.passivity.throttled;
-    ASSERT_FALSE(identical(a, b));
-  }
-}
-
 TEST(TankInTheTick, RefusesSettingsUnfitForTheDevice) {
   PipelineConfig config = with_tank(RendererKind::kSubspaceLinear, 0.0);
   config.passivity.device_damping = VecA::Ones(3);

@@ -191,28 +191,5 @@ TEST_F(PlanesInTheTick, PlanesThatContradictAreReported) {
   EXPECT_NEAR(record.anchor.x[0], 0.35, 1e-5);
 }
 
-TEST_F(PlanesInTheTick, AllocateNothingAndReplayExactly) {
-  const auto drive = [](Bench& b, int i) {
-    b.put(joints(0.4 + 0.2 * std::sin(0.05 * i), 0.45 + 0.1 * std::cos(0.05 * i)));
-    return b.tick();
-  };
-  Bench first(config()), second(config());
-  for (Bench* b : {&first, &second}) {
-    b->shape = with_stops;
-    b->engage();
-  }
-  TickRecord a, b;
-  for (int i = 0; i < 300; ++i) {
-    a = drive(first, i);
-    b = drive(second, i);
-    ASSERT_TRUE(identical(a, b));
-  }
-  b.input.proxy.planes.offsets[1] += 1e-15;
-  EXPECT_FALSE(identical(a, b));
-  b = a;
-  b.anchor.active_planes ^= 1u;
-  EXPECT_FALSE(identical(a, b));
-}
-
 }  // namespace
 }  // namespace haptic::core

@@ -109,20 +109,6 @@ TEST(Ratings, WarmWindingReducesForceAndReports) {
   EXPECT_LE(record.effort.temperature_c[0], ratings.thermal->limit_c);
 }
 
-TEST(Ratings, ATickWithEverythingAllocatesNothing) {
-  ActuatorRatings ratings;
-  ratings.power = 0.5;
-  ratings.rate = 0.1;
-  ratings.thermal = ThermalParameters{};
-  PipelineConfig config = rated(ratings);
-  config.force_control.loops = {ForceLoopGains{1.0, 5.0, 0.5, 0.2, 25.0}};
-  Bench bench(config);
-  bench.input.device.sample.tau_measured = VecA::Zero(1);
-  bench.engage();
-  bench.put(joints(0.7, 0.7));
-  bench.run(100);  // tick() judges
-}
-
 TEST(Ratings, NeedOnePerActuatedDof) {
   PipelineConfig config = plain();
   config.ratings.resize(2);

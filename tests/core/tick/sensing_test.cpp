@@ -62,6 +62,11 @@ TEST_F(SensingTest, BadSampleFaultsAndIsIgnored) {
 }
 
 TEST_F(SensingTest, ForceControlNeedsAMeasuredForce) {
+  Sensing plain(config);
+  EXPECT_FALSE(step(plain).faults.any()) << "without a loop none is needed";
+  in.device.sample.tau_measured = one(std::nan(""));
+  EXPECT_TRUE(step(plain).faults.has(Fault::kSampleNotFinite)) << "but it must be a number";
+  in.device.sample.tau_measured = VecA{};
   config.force_control.loops.resize(1);
   Sensing sensing(config);
   EXPECT_TRUE(step(sensing).faults.has(Fault::kSampleNotFinite)) << "none";

@@ -95,6 +95,10 @@ TEST(SessionSettings, CoupledStiffnessRefusesTheBaselines) {
   EXPECT_TRUE(now.Z_q.isApprox((MatAA(2, 2) << 250.0, 150.0, 150.0, 500.0).finished(), 1e-12));
   EXPECT_EQ(now.renderer, RendererKind::kSubspaceLinear);
   EXPECT_NEAR((now.unlimited(two(0.01, -0.02)) - two(-0.5, -8.5)).norm(), 0.0, 1e-12);
+  wanted.id = 2;
+  wanted.stiffness = two(0.0, 1e9);  // no force, not by coupling either; at most the scene's
+  const VecA uncoupled = settings.step(wanted, LifecycleState::kIdle).unlimited(two(0.01, -0.02));
+  EXPECT_NEAR((uncoupled - two(0.0, -10.0)).norm(), 0.0, 1e-12);
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ void trace(const Options& options) {
   }
 }
 
-/// What is to be said of a run; empty: it has the stored bits.
+/// The verdict on a run; empty: it has the stored bits.
 std::string judged(const RunName& name, const StoredRun& run, const StoredHashes& then) {
   const auto stored = then.runs.find(name);
   if (stored == then.runs.end()) return "has no stored hash: run.sh bits --write stores it";

@@ -1,7 +1,7 @@
 #pragma once
-/// What two builds of the core must agree on in every tick, to the bit, and its hash.
+/// Fields on which two builds of the core must agree in every tick, to the bit, and their hash.
 ///
-/// Left out on purpose: anything that limits nothing and that nobody acts on, such as the
+/// Left out on purpose: anything that limits nothing and on which nothing acts, such as the
 /// certificate of Eq. (8), so that it can go without a change of the force.
 
 #include <array>
@@ -46,9 +46,9 @@ class RunHashes {
   RunHashes();
   void add(const core::TickRecord& record);
 
-  /// Of the fields that decide the force, from the first tick to the end of each block.
+  /// Hashes of the fields that decide the force, from the first tick to the end of each block.
   [[nodiscard]] const std::vector<std::uint64_t>& blocks() const noexcept { return blocks_; }
-  /// Of each of kept_fields(), from the first tick on.
+  /// Hash of one of kept_fields(), from the first tick on.
   [[nodiscard]] std::uint64_t field(std::size_t i) const noexcept { return fields_[i].value(); }
 
  private:

@@ -45,7 +45,7 @@ std::unique_ptr<hw::Device> open(const server::DeviceScene& scene, core::Duratio
   return device;
 }
 
-/// What a host with real-time scheduling gives a scene that does not say.
+/// Limit of a host with real-time scheduling for a scene that does not say it.
 core::Duration late_fault(const server::LoopScene& loop) {
   return loop.loop_late_fault.value_or(milliseconds(8));
 }
@@ -96,7 +96,7 @@ const core::TickRecord& SceneRun::tick() {
   return record_;
 }
 
-/// What the device says, unless it is silent for a while, or says what is no number.
+/// Takes the device's reading, unless it is silent for a while, or says what is no number.
 void SceneRun::take_reading() {
   reading_.fresh = false;
   device_->read(input_.now, reading_);
@@ -165,7 +165,7 @@ void SceneRun::clear_faults() {
   command.clear_stop_id = command.stop_id;
 }
 
-/// What a session may change: less stiffness, damping and force; another renderer without force.
+/// A session's change: less stiffness, damping and force; another renderer without force.
 void SceneRun::change_settings() {
   const core::PipelineConfig& config = pipeline_.config();
   core::RenderSettings next = config.scene;

@@ -31,7 +31,7 @@ std::uint16_t from_hex(const std::string& text) {
   return static_cast<std::uint16_t>(value);
 }
 
-/// What stands behind `key` at the beginning of a line; nothing: it does not begin with it.
+/// Text behind `key` at the beginning of a line; nothing: it does not begin with it.
 std::optional<std::string> after(const std::string& line, const std::string& key) {
   if (line.rfind(key, 0) != 0) return std::nullopt;
   return line.substr(key.size());

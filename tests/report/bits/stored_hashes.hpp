@@ -12,7 +12,7 @@
 
 namespace haptic::report {
 
-/// What else than our own code decides the bits: compiler, C library, Eigen, processor, options.
+/// Other things that decide the bits: compiler, C library, Eigen, processor, options.
 [[nodiscard]] std::string built_by();
 
 /// A device of a scene ("finger_constant/finger"), and a seed.

@@ -48,7 +48,7 @@ struct Constraint {
   double room{std::numeric_limits<double>::infinity()};  ///< of any unit
   double gradient[2]{};  ///< d room / dq; 0 if the constraint is out of a step's reach
 };
-/// Constraints of one mechanism; those that it lacks stay as they are made. A finger has both ends of
+/// Constraints of a mechanism; those that it lacks stay as they are made. A finger has both ends of
 /// two sliders, and the branch (core/METHOD.md#inverse-map).
 using Constraints = std::array<Constraint, 5>;
 

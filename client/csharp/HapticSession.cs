@@ -1,7 +1,8 @@
-// A client of hapticd for Unity and every .NET that has .NET Standard 2.0, in one file: copy it
-// into Assets/. It speaks haptic.v1.proto on a WebSocket (server { web {} } in the scene), so
-// numbers arrive bit for bit. The few messages are read and written at the end of this file, by the
-// numbers of proto/haptic/v1/session.proto.
+// A client of hapticd for Unity and every .NET that has .NET Standard 2.0: copy it into Assets/,
+// and DeviceState.cs with it, which is made of the messages when hapticd is built. It speaks
+// haptic.v1.proto on a WebSocket (server { web {} } in the scene), so numbers arrive bit for bit.
+// The other messages are read and written at the end of this file, by the numbers of
+// proto/haptic/v1/session.proto.
 //
 // Nothing here blocks. Sockets live on the thread pool; every member may be called from any thread,
 // Unity's main thread for instance. Units are SI. An array has one value per degree of freedom or
@@ -20,9 +21,6 @@ using System.Threading.Tasks;
 
 namespace Haptic {
 
-public enum Lifecycle { Unknown, Init, Idle, Armed, Engaging, Engaged, Releasing, Fault, Closing }
-public enum ProxyMode { None, Held, Free, Planes }
-
 public sealed class SessionOptions {
   public Uri Server = new Uri("http://127.0.0.1:29473");  // or https
   public string Token = "";   // one of the scene's server.web.token
@@ -32,21 +30,6 @@ public sealed class SessionOptions {
   public double NominalRateHz = 60;    // how often you will publish, 1 to 2000
   public double StateRateHz;           // states per second; 0: every tick
   public TimeSpan Timeout = TimeSpan.FromSeconds(5);  // of the opening, and of each call
-}
-
-/// The device at one tick (DeviceState in session.proto). Do not write into its arrays.
-public sealed class DeviceState {
-  public ulong Seq, ProxySeqUsed, ProxyAgeUs;
-  public long ServerTimeNs;
-  public Lifecycle State;
-  public ProxyMode Mode;
-  public int Staleness;
-  public uint Faults, Limiters, ActivePlanes, LeaseEpoch;
-  public double Gain;
-  public double[] Q = None, QDot = None, XProbe = None, X = None, QStar = None;
-  public double[] TauA = None, TauElastic = None, ErrorBound = None, StiffnessInEffect = None;
-  internal long Arrived;  // by Clock()
-  static readonly double[] None = new double[0];
 }
 
 /// A plane that the proxy may not pass, normal . x <= offset, or a contact: Plane in session.proto.
@@ -72,7 +55,7 @@ public sealed class HapticException : Exception {
 
 /// A session with one device. It opens in the background; Dispose() ends it, and the server then
 /// lets the force fade out. One that ended stays ended: make another.
-public sealed class HapticSession : IDisposable {
+public sealed partial class HapticSession : IDisposable {
   const int LargestMessage = 65536, MostEvents = 256, MostPlanes = 32, KindFault = 3;
   static readonly TimeSpan Silence = TimeSpan.FromSeconds(2.5);
   // Refusals of Engage that time and more samples cure.
@@ -123,15 +106,15 @@ public sealed class HapticSession : IDisposable {
   public bool TryNextEvent(out HapticEvent next) => events_.TryDequeue(out next);
 
   /// Nothing is in the way: no force. Force begins with a held proxy only after a free one.
-  public void PublishFree() => Publish(ProxyMode.Free, null, null);
+  public void PublishFree() => Publish(Mode.Free, null, null);
   /// Stays at x; where x is State.XProbe it follows the probe, unless the sample before held it so.
-  public void PublishHeld(double[] x) => Publish(ProxyMode.Held, Finite(x, nameof(x)), null);
+  public void PublishHeld(double[] x) => Publish(Mode.Held, Finite(x, nameof(x)), null);
   /// The server keeps the probe out of up to 32 planes or contacts at 1 kHz. x: where they are
   /// linearised; with an Id in any of them, the simulation's own proxy.
   public void PublishContacts(IReadOnlyList<HapticPlane> planes, double[] x) {
     if (planes == null) throw new ArgumentNullException(nameof(planes));
     if (planes.Count > MostPlanes) throw new ArgumentException("more than 32", nameof(planes));
-    Publish(ProxyMode.Planes, Finite(x, nameof(x)), planes);
+    Publish(Mode.Planes, Finite(x, nameof(x)), planes);
   }
 
   /// Asks for force once. The task fails with a HapticException that says what is missing.
@@ -284,7 +267,7 @@ public sealed class HapticSession : IDisposable {
         while (inner.Next()) if (inner.Field == 9) id = inner.Text(); else inner.Skip();
         opened_.TrySetResult(id);
       } else if (message.Field == 2) {
-        DeviceState state = Messages.State(inner);
+        DeviceState state = Of(inner, new DeviceState());
         state.Arrived = Clock();
         lock (lock_) newest_ = state;
       } else if (message.Field == 3) {
@@ -305,7 +288,7 @@ public sealed class HapticSession : IDisposable {
     }
   }
 
-  void Publish(ProxyMode mode, double[] x, IReadOnlyList<HapticPlane> planes) {
+  void Publish(Mode mode, double[] x, IReadOnlyList<HapticPlane> planes) {
     lock (lock_) {
       if (leaving_) return;
       long now = Clock();
@@ -415,37 +398,6 @@ public sealed class HapticSession : IDisposable {
 
   /// Field numbers of session.proto.
   static class Messages {
-    internal static DeviceState State(Reader from) {
-      var to = new DeviceState();
-      while (from.Next()) {
-        switch (from.Field) {
-          case 1: to.Seq = from.Number(); break;
-          case 2: to.ServerTimeNs = (long)from.Number(); break;
-          case 3: to.Q = from.Reals(to.Q); break;
-          case 4: to.QDot = from.Reals(to.QDot); break;
-          case 5: to.XProbe = from.Reals(to.XProbe); break;
-          case 6: to.X = from.Reals(to.X); break;
-          case 7: to.QStar = from.Reals(to.QStar); break;
-          case 8: to.TauA = from.Reals(to.TauA); break;
-          case 9: to.TauElastic = from.Reals(to.TauElastic); break;
-          case 10: to.ProxySeqUsed = from.Number(); break;
-          case 11: to.ProxyAgeUs = from.Number(); break;
-          case 12: to.Staleness = (int)from.Number(); break;
-          case 13: to.Gain = from.Real(); break;
-          case 15: to.State = (Lifecycle)from.Number(); break;
-          case 16: to.Faults = (uint)from.Number(); break;
-          case 17: to.Limiters = (uint)from.Number(); break;
-          case 18: to.StiffnessInEffect = from.Reals(to.StiffnessInEffect); break;
-          case 21: to.LeaseEpoch = (uint)from.Number(); break;
-          case 22: to.Mode = (ProxyMode)from.Number(); break;
-          case 23: to.ActivePlanes = (uint)from.Number(); break;
-          case 63: to.ErrorBound = from.Reals(to.ErrorBound); break;
-          default: from.Skip(); break;
-        }
-      }
-      return to;
-    }
-
     internal static HapticEvent Event(Reader from) {
       var to = new HapticEvent();
       while (from.Next()) {
@@ -549,6 +501,15 @@ public sealed class HapticSession : IDisposable {
       before.CopyTo(all, 0);
       for (int i = before.Length; i < all.Length; ++i) all[i] = Bits();
       return all;
+    }
+    internal uint[] Numbers(uint[] before) {
+      var all = new List<uint>(before);
+      if (wire_ == 0) {
+        all.Add((uint)Varint());
+      } else {
+        for (Reader packed = Sub(); packed.at_ < packed.end_;) all.Add((uint)packed.Varint());
+      }
+      return all.ToArray();
     }
     internal void Skip() {
       if (wire_ == 0) Varint();

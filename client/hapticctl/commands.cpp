@@ -23,17 +23,6 @@ std::vector<client::DeviceInfo> meant(client::Connection& server, const std::str
                             "--device \"" + name + "\": must be one of " + joined(names));
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  if (names.empty()) return "none";
-  std::string text = names.front();
-  for (std::size_t i = 1; i < names.size(); ++i) text += ", " + names[i];
-  return text;
-}
-
-std::string effort_unit(const std::string& unit) {
-  return unit == "m" ? "N" : "N m";
-}
-
 void answer(const Options& options, const std::string& json, const std::string& text) {
   std::printf("%s\n", (options.json ? json : text).c_str());
   std::fflush(stdout);

@@ -48,7 +48,8 @@ def _comment(text: str, indent: str) -> list[str]:
 
 def state_header(schema: Schema) -> list[str]:
     lines = ["#ifndef HAPTIC_HAPTIC_STATE_H", "#define HAPTIC_HAPTIC_STATE_H",
-             f"/* {_MADE}", " * haptic_types.h includes this. */"]
+             f"/* {_MADE}", " * The rules of structs are in haptic_types.h. */",
+             "#include <haptic/haptic_lists.h>"]
     for message in schema.reachable("DeviceState"):
         top = message.name == "DeviceState"
         first = "size_t size;" if top else "int32_t present; /* 0: absent */"
@@ -70,7 +71,7 @@ def _assigned(field: Field) -> str:
 
 
 def state_conversion(schema: Schema) -> list[str]:
-    lines = [f"// {_MADE}", '#include "convert_state.hpp"', "", "namespace haptic::c {"]
+    lines = [f"// {_MADE}", '#include "state_struct.hpp"', "", "namespace haptic::c {"]
     for message in schema.reachable("DeviceState"):
         top = message.name == "DeviceState"
         head = f"void write(const client::{message.name}& from, {_name(message.name)}& to) {{"

@@ -54,7 +54,7 @@ def _reader(schema: Schema, message: Message) -> list[str]:
 
 def state(schema: Schema) -> list[str]:
     messages = schema.reachable("DeviceState")
-    lines = ["", "// The rest is made of proto/haptic/v1/session.proto by proto/generate.",
+    lines = ["// Made of proto/haptic/v1/session.proto by proto/generate: nothing to edit here.",
              "namespace Haptic {"]
     for enum in schema.enums_of("DeviceState"):
         lines += _enum(enum)

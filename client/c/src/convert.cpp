@@ -3,6 +3,7 @@
 #include <optional>
 #include <sstream>
 
+#include "state_struct.hpp"
 #include "structs.hpp"
 
 namespace haptic::c {
@@ -81,6 +82,12 @@ haptic_device to_device(const client::DeviceInfo& device) {
     write_text(device.coordinates[i].unit, to.coordinates[i].unit);
     write_text(device.coordinates[i].kind, to.coordinates[i].kind);
   }
+  return to;
+}
+
+haptic_state to_state(const client::DeviceState& state) {
+  haptic_state to{};
+  write(state, to);
   return to;
 }
 

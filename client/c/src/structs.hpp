@@ -28,6 +28,9 @@ T* given(T* pointer, const char* name) {
 /// gets its former size here.
 template <typename T>
 inline constexpr std::size_t kFirstSize = sizeof(T);
+/// A state grows with the protocol: a caller may know any first part of it that has the tick.
+template <>
+inline constexpr std::size_t kFirstSize<haptic_state> = offsetof(haptic_state, server_time_ns);
 /// No later release will have made a struct four times as large, but memory without a value may say
 /// so.
 template <typename T>

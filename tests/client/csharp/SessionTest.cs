@@ -138,7 +138,8 @@ static class SessionTest {
   }
 
   static void Stop(HapticSession session) {
-    Eventually(() => session.State.Staleness == 4, "a sample that is too old for force");
+    Eventually(() => session.State.Staleness == Staleness.Lost,
+               "a sample that is too old for force");
     Task waiting = session.EngageWhenReady();  // no samples come, so it waits
     HapticEvent told;
     while (session.TryNextEvent(out told)) { }

@@ -50,18 +50,9 @@ ClientSettings contacts_client(double round_trip_s) {
   return client;
 }
 
-PipelineConfig soft_config(double tank) {
-  PipelineConfig c = haptic::test::rails(1);
-  c.scene.staleness.hold_end = std::chrono::milliseconds(400);
-  c.scene.staleness.fade_end = std::chrono::milliseconds(500);
-  c.passivity.tank.enabled = tank >= 0.0;
-  if (tank >= 0.0) c.passivity.tank.initial = tank;
-  return c;
-}
-
 SoftFigures felt(const SoftRun& what) {
   constexpr int kBegin = 1000, kTicks = kBegin + 8000;
-  PipelineLoop loop(soft_config(what.tank), what.client, Rails::damping);
+  PipelineLoop loop(haptic::test::patient_rail(what.tank), what.client, Rails::damping);
   haptic::test::HandMasses mass(haptic::test::swinging(what.frequency, what.amplitude));
   SoftFigures f;
   double squares = 0.0;
@@ -186,7 +177,7 @@ TEST(Contacts, EstimatedBeatsARigidPlane) {
 
 TEST(Contacts, SurfaceMovesForTheSamplesAge) {
   using std::chrono::milliseconds;
-  Pipeline pipeline(soft_config(-1.0));
+  Pipeline pipeline(haptic::test::patient_rail());
   TickInput in;
   in.settings = pipeline.config().scene;
   in.device.fresh = in.device.armed = true;

@@ -21,9 +21,7 @@ constexpr double kHand = 800.0, kHandDamping = 8.0;  // N/m, N s/m
 constexpr double kCompliance = kWhole / kObject;
 
 PipelineConfig config(bool derating) {
-  PipelineConfig c = haptic::test::rails(1);
-  c.scene.staleness.hold_end = std::chrono::milliseconds(400);
-  c.scene.staleness.fade_end = std::chrono::milliseconds(500);
+  PipelineConfig c = haptic::test::patient_rail();
   c.derating = derating;
   return c;
 }

@@ -29,15 +29,6 @@ struct Judged {
   int broken{0};
 };
 
-PipelineConfig pressed_config(double tank) {
-  PipelineConfig c = haptic::test::rails(1);
-  c.scene.staleness.hold_end = std::chrono::milliseconds(400);
-  c.scene.staleness.fade_end = std::chrono::milliseconds(500);
-  c.passivity.tank.enabled = tank >= 0.0;
-  if (tank >= 0.0) c.passivity.tank.initial = tank;
-  return c;
-}
-
 ClientSettings telling_client(double round_trip_s, double told) {
   ClientSettings client;
   client.mode = ProxyMode::kPlanes;
@@ -51,7 +42,7 @@ ClientSettings telling_client(double round_trip_s, double told) {
 
 Judged press(const ClientSettings& client, double tank = -1.0) {
   constexpr int kBegin = 1000, kTicks = kBegin + 8000;
-  PipelineLoop loop(pressed_config(tank), client, haptic::test::Rails::damping);
+  PipelineLoop loop(haptic::test::patient_rail(tank), client, haptic::test::Rails::damping);
   haptic::test::HandMasses mass(haptic::test::swinging(0.7, 0.018));
   Judged judged;
   for (int k = 1; k <= kTicks; ++k) {

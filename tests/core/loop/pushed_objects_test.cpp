@@ -57,15 +57,6 @@ struct Object {
   }
 };
 
-PipelineConfig pushed_config(double tank) {
-  PipelineConfig c = haptic::test::rails(1);
-  c.scene.staleness.hold_end = std::chrono::milliseconds(400);
-  c.scene.staleness.fade_end = std::chrono::milliseconds(500);
-  c.passivity.tank.enabled = tank >= 0.0;
-  if (tank >= 0.0) c.passivity.tank.initial = tank;
-  return c;
-}
-
 struct OnTheWay {
   double arrives{0.0};
   ProxySnapshot proxy{};
@@ -95,7 +86,7 @@ OnTheWay told_by(const Pushed& p, const Object& object, double probe, double dis
 
 PushedFigures feel(const Pushed& p) {
   constexpr int kSubsteps = 50, kBegin = 1000, kTicks = kBegin + 8000;
-  Pipeline pipeline(pushed_config(p.tank));
+  Pipeline pipeline(haptic::test::patient_rail(p.tank));
   haptic::test::EnergyBook book(World::device_damping);
   haptic::test::Random random(7);
   TickInput in;

@@ -64,4 +64,13 @@ core::PipelineConfig rails(int n) {
   return c;
 }
 
+core::PipelineConfig patient_rail(double tank) {
+  core::PipelineConfig c = rails(1);
+  c.scene.staleness.hold_end = std::chrono::milliseconds(400);
+  c.scene.staleness.fade_end = std::chrono::milliseconds(500);
+  c.passivity.tank.enabled = tank >= 0.0;
+  if (tank >= 0.0) c.passivity.tank.initial = tank;
+  return c;
+}
+
 }  // namespace haptic::test

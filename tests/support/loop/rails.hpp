@@ -42,5 +42,8 @@ class HandMasses {
 
 /// Pipeline of n rails, without a tank.
 [[nodiscard]] core::PipelineConfig rails(int n);
+/// A rail whose proxy is held for 400 ms and gone after 500 ms, however late samples come. `tank`:
+/// tank_0, J; below 0: no tank.
+[[nodiscard]] core::PipelineConfig patient_rail(double tank = -1.0);
 
 }  // namespace haptic::test

@@ -20,6 +20,7 @@ format() {
 configure() {
   cmake -S . -B build/lint -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
   cmake --build build/lint --target haptic_proto haptic_proto_grpc haptic_state_header \
+    haptic_core_lists haptic_crossing_fields \
     client_readme_pieces hw_readme_pieces
 }
 

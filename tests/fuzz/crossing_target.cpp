@@ -285,17 +285,17 @@ class Crossing {
     if (!proxy.planes.fits(kDofs)) fail("contacts of a wrong size, or not finite");
     for (const double gamma : proxy.planes.compliance) {
       if (gamma < 0.0) fail("a compliance below 0");
-      check(gamma, Ingress::kLargestCompliance);
+      check(gamma, 1e18);
     }
     for (int p = 0; p < proxy.planes.laws.cols(); ++p) {
-      for (int row = 0; row < 4; ++row) check(proxy.planes.laws(row, p), Ingress::kLargestLaw);
+      for (int row = 0; row < 4; ++row) check(proxy.planes.laws(row, p), 1e18);
     }
     for (const double u : proxy.planes.uncertainty) {
       if (u < 0.0) fail("an uncertainty below 0");
-      check(u, Ingress::kLargestUncertainty);
+      check(u, 1e6);
     }
     for (int p = 0; p < proxy.planes.offsets.size(); ++p) {
-      check(proxy.planes.offsets[p], Ingress::kLargestOffset);
+      check(proxy.planes.offsets[p], 1e9);
       for (int i = 0; i < kDofs; ++i) check(proxy.planes.normals(i, p), Ingress::kLargestNormal);
     }
   }

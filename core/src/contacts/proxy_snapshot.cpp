@@ -20,7 +20,7 @@ bool PlaneSet::fits(int n_x) const noexcept {
   };
   if (count == 0) return true;
   if (normals.rows() != n_x || normals.cols() != count || !finite(normals) || !finite(offsets) ||
-      !none_or_all(compliance) || !none_or_all(velocity) || !none_or_all(uncertainty) ||
+      !std::apply([&](const auto&... list) { return (none_or_all(list) && ...); }, lists()) ||
       !none_or_all(ids) || !none_or_all(radius) || (laws.cols() != 0 && laws.cols() != count) ||
       !finite(laws) || (objects.cols() != 0 && objects.cols() != count) || !finite(objects)) {
     return false;

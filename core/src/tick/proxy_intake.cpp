@@ -12,15 +12,23 @@ bool same(const Numbers& a, const Numbers& b) noexcept {
   return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
 }
 
+bool same_lists(const PlaneSet& a, const PlaneSet& b) noexcept {
+  return std::apply(
+      [&b](const auto&... of_a) {
+        return std::apply([&](const auto&... of_b) { return (same(of_a, of_b) && ...); },
+                          b.lists());
+      },
+      a.lists());
+}
+
 /// Both say the same of every place. Curved planes begin at x.
 bool same_planes(const ProxySnapshot& one, const ProxySnapshot& other) noexcept {
   const PlaneSet &a = one.planes, &b = other.planes;
   const auto first_of = [&a](const PlaneSet::Places& places) {
     return std::span(places).first(static_cast<std::size_t>(a.size()));
   };
-  return same(a.offsets, b.offsets) && same(a.normals, b.normals) &&
-         same(a.compliance, b.compliance) && same(a.velocity, b.velocity) && same(a.laws, b.laws) &&
-         same(a.objects, b.objects) && same(a.curvature, b.curvature) &&
+  return same(a.offsets, b.offsets) && same(a.normals, b.normals) && same_lists(a, b) &&
+         same(a.laws, b.laws) && same(a.objects, b.objects) && same(a.curvature, b.curvature) &&
          std::ranges::equal(first_of(a.curved), first_of(b.curved)) &&
          std::ranges::equal(first_of(a.first), first_of(b.first)) &&
          (a.curvature.size() == 0 || same(one.x, other.x));

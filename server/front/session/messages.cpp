@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/front/session/plane_fields.hpp"
+
 namespace haptic::server {
 namespace {
 
@@ -114,19 +116,8 @@ namespace {
 
 void from_proto(const v1::Plane& message, PlaneSample& plane) {
   plane.normal = numbers<Numbers<PlaneSample::kNumbers>>(message.normal());
-  plane.offset = message.offset();
-  plane.compliance = message.compliance();
-  plane.velocity = message.velocity();
-  plane.mass = message.mass();
-  plane.damping = message.damping();
-  plane.ground_stiffness = message.ground_stiffness();
-  plane.load = message.load();
-  plane.id = message.id();
-  plane.tells_uncertainty = message.has_uncertainty() ? 1 : 0;
-  plane.uncertainty = message.uncertainty();
-  plane.object = message.object();
   plane.object_direction = numbers<Numbers<core::kMaxMotions>>(message.object_direction());
-  plane.first_coordinate = message.first_coordinate();
+  read_fields(message, plane);
   plane.curvature_count = static_cast<std::uint32_t>(message.curvature_size());
   const std::size_t behind = std::min<std::size_t>(plane.normal.count, PlaneSample::kNumbers);
   const std::size_t fit =

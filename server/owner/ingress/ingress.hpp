@@ -62,10 +62,7 @@ class Ingress {
  public:
   static constexpr double kLargestCoordinate = 1000.0;
   static constexpr double kLargestNormal = 1e6;  ///< of a component
-  static constexpr double kLargestOffset = 1e9;  ///< also of a velocity and of a curvature
-  static constexpr double kLargestCompliance = 1e18;
-  static constexpr double kSmallestLaw = 1e-18, kLargestLaw = 1e18;  ///< of what is not 0
-  static constexpr double kLargestUncertainty = 1e6;
+  static constexpr double kLargestCurvature = 1e9;
 
   /// `mailbox` must outlive the ingress; `n_x` is the size of the virtual configuration.
   Ingress(core::Mailbox<core::ProxySnapshot>& mailbox, int n_x);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "server/owner/ingress/ingress.hpp"
+#include "server/owner/ingress/plane_fields.hpp"
 #include "server/owner/ingress/refused.hpp"
 
 namespace haptic::server {
@@ -49,9 +49,7 @@ Ingress::Refused Ingress::check_planes(const ProxySample& sample) const {
     if (!(largest >= kSmallestNormal)) {
       return refused(kBad, "planes[{}].normal = {:.6g}: must have a direction", p, largest);
     }
-    if (!(std::abs(plane.offset) <= kLargestOffset)) {
-      return refused(kBad, "planes[{}].offset = {:.6g}: must lie within +-1e9", p, plane.offset);
-    }
+    if (auto wrong = check_fields(plane, p)) return wrong;
     if (auto wrong = check_contact(sample, p)) return wrong;
     curvatures += static_cast<int>(plane.curvature_count);
   }
@@ -66,18 +64,6 @@ Ingress::Refused Ingress::check_planes(const ProxySample& sample) const {
 Ingress::Refused Ingress::check_contact(const ProxySample& sample, std::size_t p) const {
   constexpr auto kBad = IngressVerdict::kBadPlane;
   const PlaneSample& plane = sample.planes[p];
-  if (!(plane.compliance >= 0.0 && plane.compliance <= kLargestCompliance)) {
-    return refused(kBad, "planes[{}].compliance = {:.6g}: must lie within 0..1e18", p,
-                   plane.compliance);
-  }
-  if (plane.tells_uncertainty != 0 &&
-      !(plane.uncertainty >= 0.0 && plane.uncertainty <= kLargestUncertainty)) {
-    return refused(kBad, "planes[{}].uncertainty = {:.6g}: must lie within 0..1e6", p,
-                   plane.uncertainty);
-  }
-  if (!(std::abs(plane.velocity) <= kLargestOffset)) {
-    return refused(kBad, "planes[{}].velocity = {:.6g}: must lie within +-1e9", p, plane.velocity);
-  }
   if (auto wrong = check_law(plane, p)) return wrong;
   const std::uint32_t count = plane.curvature_count, n = curved_coordinates(count);
   if (count > 0 && n == 0) {
@@ -94,7 +80,7 @@ Ingress::Refused Ingress::check_contact(const ProxySample& sample, std::size_t p
   }
   for (std::size_t k = 0; k < count; ++k) {
     const double value = plane.normal.value[n_x_ + k];
-    if (!(std::abs(value) <= kLargestOffset)) {
+    if (!(std::abs(value) <= kLargestCurvature)) {
       return refused(kBad, "planes[{}].curvature[{}] = {:.6g}: must lie within +-1e9", p, k, value);
     }
   }
@@ -110,17 +96,6 @@ Ingress::Refused Ingress::check_contact(const ProxySample& sample, std::size_t p
 /// No mass is too small for the loop's period: the law is integrated implicitly.
 Ingress::Refused Ingress::check_law(const PlaneSample& plane, std::size_t p) {
   constexpr auto kBad = IngressVerdict::kBadPlane;
-  const std::pair<const char*, double> positive[] = {{"mass", plane.mass},
-                                                     {"damping", plane.damping},
-                                                     {"ground_stiffness", plane.ground_stiffness}};
-  for (const auto& [name, value] : positive) {
-    if (value == 0.0 || (value >= kSmallestLaw && value <= kLargestLaw)) continue;
-    return refused(kBad, "planes[{}].{} = {:.6g}: must be 0 or lie within 1e-18..1e18", p, name,
-                   value);
-  }
-  if (!(std::abs(plane.load) <= kLargestLaw)) {
-    return refused(kBad, "planes[{}].load = {:.6g}: must lie within +-1e18", p, plane.load);
-  }
   const bool law = plane.damping != 0.0 || plane.ground_stiffness != 0.0 || plane.load != 0.0;
   if (plane.mass == 0.0 && law) {
     return refused(kBad, "planes[{}].mass = 0: must be above 0 with damping, stiffness or load", p);
@@ -158,7 +133,7 @@ Ingress::Refused Ingress::check_object(const PlaneSample& plane, std::size_t p) 
 void Ingress::write_planes(const ProxySample& sample, core::ProxySnapshot& next) const {
   core::PlaneSet& planes = next.planes;
   const Eigen::Index count = sample.plane_count;
-  bool soft = false, moving = false, pushed = false, shared = false, known = true;
+  bool pushed = false, shared = false;
   Eigen::Index curvatures = 0;
   next.anchored_at = 0;
   next.seen_at = sample.tick_used;
@@ -169,18 +144,13 @@ void Ingress::write_planes(const ProxySample& sample, core::ProxySnapshot& next)
     const PlaneSample& plane = sample.planes[static_cast<std::size_t>(p)];
     std::transform(plane.normal.begin(), plane.normal.end(), planes.normals.col(p).data(), flushed);
     planes.offsets[p] = flushed(plane.offset);
-    soft = soft || flushed(plane.compliance) != 0.0;
-    moving = moving || flushed(plane.velocity) != 0.0;
-    known = known && plane.tells_uncertainty != 0;
     pushed = pushed || plane.mass > 0.0;
     shared = shared || plane.object != 0;
     curvatures += plane.curvature_count;
     if (plane.id != 0) next.anchored_at = sample.tick_used;
   }
   // A part that no plane of the sample has takes no room in the tick.
-  planes.compliance.resize(soft ? count : 0);
-  planes.velocity.resize(moving ? count : 0);
-  planes.uncertainty.resize(known ? count : 0);
+  write_fields(sample, planes);
   planes.laws.resize(Eigen::NoChange, pushed ? count : 0);
   planes.ids.resize(pushed ? count : 0);
   planes.objects.setZero(Eigen::NoChange, shared ? count : 0);
@@ -189,9 +159,6 @@ void Ingress::write_planes(const ProxySample& sample, core::ProxySnapshot& next)
   for (Eigen::Index p = 0; p < count; ++p) {
     const auto i = static_cast<std::size_t>(p);
     const PlaneSample& plane = sample.planes[i];
-    if (soft) planes.compliance[p] = flushed(plane.compliance);
-    if (moving) planes.velocity[p] = flushed(plane.velocity);
-    if (known) planes.uncertainty[p] = flushed(plane.uncertainty);
     if (pushed) {
       planes.laws.col(p) << plane.mass, plane.damping, plane.ground_stiffness, flushed(plane.load);
     }

@@ -55,17 +55,11 @@ struct PlaneSet {
 
   Normals normals{};  ///< n_x by number of planes, a normal per column
   Offsets offsets{};  ///< b, one per plane
-  // Each of size 0 if no contact has it, else one per plane:
-  Offsets compliance{};  ///< gamma >= 0 in (unit of b)^2 of ||.||_W; 0: rigid
-  Offsets velocity{};    ///< v, unit of b per s; > 0: the object recedes
   /// Laws of objects that are pushed (core/METHOD.md#pushed-objects): with u the unit of b, in
   /// s^2/u^2, s/u^2, 1/u^2 and 1/u. Mass 0: none.
   Laws laws{};
   Offsets ids{};      ///< what names a contact with a law from sample to sample; 0: nothing
   Objects objects{};  ///< of size 0 if no two contacts push one object
-  /// u >= 0: the contact's stiffness lies within 1 - u and 1 + u times what gamma says; 0: it is
-  /// exact. Its size is 0 too if one of the contacts does not say it.
-  Offsets uncertainty{};
   /// Radius of the round body that is touched, with that of the tool, in the unit of b; below 0:
   /// hollow. 0: not told, and inferred from n and H if they are those of a round body. Of size 0 if
   /// no contact tells it.
@@ -80,9 +74,13 @@ struct PlaneSet {
   /// Sizes fit each other and n_x, and every number is finite.
   [[nodiscard]] bool fits(int n_x) const noexcept;
 
+  // lists(): one number per plane each, or of size 0 if no contact has it. `compliance` is gamma in
+  // (unit of b)^2 of ||.||_W, `velocity` is v. `uncertainty` is of size 0 too if one of the
+  // contacts does not say it; 0: gamma is exact.
+#include "haptic/core/contacts/plane_lists.inc"
   [[nodiscard]] auto members() const noexcept {
-    return std::tie(normals, offsets, compliance, velocity, laws, ids, objects, uncertainty, radius,
-                    curvature, first, curved);
+    return std::tuple_cat(
+        std::tie(normals, offsets, laws, ids, objects, radius, curvature, first, curved), lists());
   }
 };
 

@@ -31,21 +31,14 @@ public sealed class JointAxis {
   public bool Prismatic;
 }
 
-/// A point of the tool against an object.
-public sealed class Contact {
+/// A point of the tool against an object. HapticPlane.cs has Id, Velocity, Mass and what else a
+/// plane tells as well. An empty ObjectDirection is the normal, of a body that does not turn.
+public sealed partial class Contact {
   public PointMap Point;
   public double[] Normal;  // of the object at the nearest point, outwards, of length 1
   public double Gap;       // from the object to the point along the normal, m; < 0: inside
   public double[] Curvature = new double[6];  // second derivative of the gap by the point, 1/m
   public double Stiffness = double.PositiveInfinity;  // of point and object in series, N/m
-  public double Velocity;  // of the object along -normal, m/s; > 0: it recedes
-  public uint Id;          // names the contact from sample to sample; 0: none
-  /// The law of an object that is pushed: kg, N s/m, N/m, and N: the force on it now, without those
-  /// of its contacts and of the damping, > 0: away from the tool. A mass needs an Id.
-  public double Mass, Damping, GroundStiffness, Load;
-  public double? Uncertainty;  // the stiffness lies within 1 -+ this times Stiffness
-  public uint Object;          // names the body that is pushed, if several contacts push it
-  public double[] ObjectDirection = new double[0];  // empty: the normal
 }
 
 /// Result of Contacts.Solve().
@@ -154,13 +147,11 @@ public static class Contacts {
     var plane = new HapticPlane {
         Normal = new double[x.Length],
         Offset = contact.Gap - gradient.Select((slope, i) => slope * x[first + i]).Sum(),
-        Compliance = coupling / contact.Stiffness, Velocity = contact.Velocity,
+        Compliance = coupling / contact.Stiffness,
         Curvature = curvature.Any(value => value != 0) ? curvature : new double[0],
-        FirstCoordinate = (uint)first, Id = contact.Id, Mass = contact.Mass / coupling,
-        Damping = contact.Damping / coupling, GroundStiffness = contact.GroundStiffness / coupling,
-        Load = contact.Load / coupling, Uncertainty = contact.Uncertainty, Object = contact.Object,
-        ObjectDirection = contact.Object != 0 && contact.ObjectDirection.Length == 0
-            ? n : contact.ObjectDirection};
+        FirstCoordinate = (uint)first};
+    Contact.Tell(contact, coupling, plane);
+    if (plane.Object != 0 && plane.ObjectDirection.Length == 0) plane.ObjectDirection = n;
     for (int i = 0; i < count; ++i) plane.Normal[first + i] = -gradient[i];
     return plane;
   }

@@ -1,6 +1,7 @@
 // A client of hapticd for Unity and every .NET that has .NET Standard 2.0: copy it into Assets/,
-// and DeviceState.cs with it, which is made of the messages when hapticd is built. It speaks
-// haptic.v1.proto on a WebSocket (server { web {} } in the scene), so numbers arrive bit for bit.
+// and with it DeviceState.cs and HapticPlane.cs, which are made of the messages when hapticd is
+// built. It speaks haptic.v1.proto on a WebSocket (server { web {} }
+// in the scene), so numbers arrive bit for bit.
 // The other messages are read and written at the end of this file, by the numbers of
 // proto/haptic/v1/session.proto.
 //
@@ -30,14 +31,6 @@ public sealed class SessionOptions {
   public double NominalRateHz = 60;    // how often you will publish, 1 to 2000
   public double StateRateHz;           // states per second; 0: every tick
   public TimeSpan Timeout = TimeSpan.FromSeconds(5);  // of the opening, and of each call
-}
-
-/// A plane that the proxy may not pass, normal . x <= offset, or a contact: Plane in session.proto.
-public sealed class HapticPlane {
-  public double[] Normal, Curvature, ObjectDirection;
-  public double Offset, Compliance, Velocity, Mass, Damping, GroundStiffness, Load;
-  public double? Uncertainty;
-  public uint FirstCoordinate, Id, Object;
 }
 
 /// Something that happened once: Event in session.proto.
@@ -299,7 +292,7 @@ public sealed partial class HapticSession : IDisposable {
       }
       sample.Reals(6, x).Number(8, (ulong)mode);
       foreach (HapticPlane plane in planes ?? new HapticPlane[0]) {
-        sample.Sub(10, Messages.Plane(plane));
+        sample.Sub(10, Of(plane));
       }
       byte[] bytes = new Message().Sub(2, sample).Bytes();
       if (bytes.Length > LargestMessage) throw new ArgumentException("more than 64 KB");
@@ -410,15 +403,6 @@ public sealed partial class HapticSession : IDisposable {
         }
       }
       return to;
-    }
-
-    internal static Message Plane(HapticPlane from) {
-      Message to = new Message().Reals(1, from.Normal).Real(2, from.Offset).Real(3, from.Compliance)
-          .Real(4, from.Velocity).Reals(5, from.Curvature).Number(6, from.FirstCoordinate)
-          .Number(7, from.Id).Real(8, from.Mass).Real(9, from.Damping)
-          .Real(10, from.GroundStiffness).Real(11, from.Load);
-      if (from.Uncertainty.HasValue) to.Present(12, from.Uncertainty.Value);
-      return to.Number(13, from.Object).Reals(14, from.ObjectDirection);
     }
   }
 

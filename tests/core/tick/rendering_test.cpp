@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "tests/core/tick/finger_bench.hpp"
 #include "tests/support/angles.hpp"
 
@@ -86,16 +84,6 @@ TEST_F(RenderingTest, AnchorStaysIfTheMapFails) {
     EXPECT_TRUE(now.anchored && now.in_the_way);
     EXPECT_FALSE(now.mapped);
   }
-}
-
-TEST_F(RenderingTest, NonFiniteProjectionKeepsItsAnchor) {
-  Rendering rendering(model, config);
-  const Anchor before = rendering.step({}, sensed, sample, settings, unused);
-  ++sample.seq;
-  sample.x[0] = std::numeric_limits<double>::quiet_NaN();
-  const Anchor now = rendering.step({}, sensed, sample, settings, before.q_star);
-  EXPECT_EQ(now.q_star, before.q_star);
-  EXPECT_EQ(now.projection, ProjectionStatus::kMapFailed);
 }
 
 TEST_F(RenderingTest, FailedMapWithoutAnchorPullsNothing) {

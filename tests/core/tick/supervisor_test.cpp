@@ -158,6 +158,16 @@ TEST_F(SupervisorTest, UnseenStopIsNotCleared) {
   EXPECT_EQ(life.state, LifecycleState::kIdle);
 }
 
+/// The stop acted in a tick before the clear came.
+TEST_F(SupervisorTest, EarlierUnseenStopIsNotCleared) {
+  ++in.command.stop_id;
+  step();
+  in.command.clear_stop_id = in.command.stop_id;
+  ++in.command.stop_id;
+  step();
+  EXPECT_TRUE(clear(only(Fault::kEmergencyStop)).clear.refused.has(Fault::kEmergencyStop));
+}
+
 TEST_F(SupervisorTest, OnlyAStopLatchesBeforeReady) {
   sensed.ready = false;
   sensed.faults.set(Fault::kDeviceLost);

@@ -18,6 +18,7 @@ using haptic::server::Inbox;
 using haptic::server::Latest;
 using haptic::server::PlaneSample;
 using haptic::server::ProxySample;
+using haptic::server::SerialisedState;
 
 /// A value whose every word says the same, so that a mixture of two shows.
 struct Words {
@@ -123,6 +124,24 @@ TEST(Latest, TellsWhatIsNew) {
   EXPECT_FALSE(latest->newer(seen, words));
   latest->publish(Words::of(3));
   EXPECT_TRUE(latest->newer(seen, words));
+}
+
+TEST(Latest, CopiesTheBytesInUse) {
+  const auto latest = zeroed<Latest<SerialisedState>>();
+  SerialisedState state, got;
+  state.bytes.fill(7);
+  got.bytes.fill(1);
+  state.size = 16;
+  latest->publish(state);
+  std::uint64_t seen = 0;
+  ASSERT_TRUE(latest->newer(seen, got));
+  EXPECT_EQ(got.message().size(), 16U);
+  EXPECT_EQ(got.bytes[15], 7);
+  EXPECT_EQ(got.bytes[24], 1) << "behind the message nothing is copied";
+  state.size = ~0U;
+  latest->publish(state);
+  ASSERT_TRUE(latest->newer(seen, got));
+  EXPECT_EQ(got.message().size(), SerialisedState::kMost) << "a size that lies stays within";
 }
 
 using Box = Inbox<std::uint64_t, 8>;

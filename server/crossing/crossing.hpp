@@ -25,6 +25,7 @@
 #include "haptic/core/safety/staleness.hpp"
 #include "haptic/core/time.hpp"
 #include "haptic/core/types.hpp"
+#include "server/crossing/layout.hpp"
 #include "server/crossing/plain.hpp"
 #include "server/crossing/priority.hpp"
 #include "server/crossing/serialised_state.hpp"
@@ -278,19 +279,8 @@ struct DeviceStatus {
   std::uint32_t link_count{0};
 };
 
-/// Sizes in bytes: a change here is a change of the layout that both sides must have. A sample
-/// grows with the fields of a plane.
-template <typename T, std::size_t kSize = sizeof(T)>
-inline constexpr bool crosses = std::is_trivially_copyable_v<T>&& std::is_standard_layout_v<T> &&
-                                sizeof(T) == kSize;
-
-static_assert(crosses<ProxySample>);
-static_assert(crosses<PoseSample, 144>);
-static_assert(crosses<Verdict, 192>);
-static_assert(crosses<Request, 1288>);
-static_assert(crosses<Answer, 1864>);
-static_assert(crosses<DeviceEvent, 472>);
-static_assert(crosses<DeviceStatus, 1064>);
-static_assert(crosses<SerialisedState, 8232>);
+template <std::size_t N>
+inline constexpr bool kAnyBits<Numbers<N>> = true;
+static_assert(any_bits<ProxySample>() && any_bits<PoseSample>() && any_bits<Request>());
 
 }  // namespace haptic::server

@@ -16,6 +16,7 @@
 #include <cstdint>
 
 #include "server/crossing/crossing.hpp"
+#include "server/crossing/shared_layout.hpp"
 
 namespace haptic::server {
 
@@ -44,6 +45,16 @@ struct OwnerMessage {
   std::uint32_t generation{0};  ///< kWelcome: of the front (request_id())
   std::uint64_t scene_bytes{0}, device_bytes{0};
 };
+
+/// A number that differs, with all likelihood, if two programs were built from different layouts.
+[[nodiscard]] consteval std::uint64_t layout_hash() noexcept {
+  std::uint64_t hash = kInterface;
+  for (const std::uint64_t part : {layout<OwnersPages>(), layout<FrontsPages>(),
+                                   layout<FrontMessage>(), layout<OwnerMessage>()}) {
+    hash = hash * 1099511628211ULL ^ part;
+  }
+  return hash;
+}
 
 /// Ids of requests as the owner knows them: the front's own number below, which front above, so
 /// that no front gets an answer that was for the one before it.

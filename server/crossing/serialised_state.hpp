@@ -20,11 +20,8 @@ struct SerialisedState {
   core::TimePoint now{};
   core::Duration proxy_age{0};
   bool lease_held{false};
-  bool proxy_used{false};  ///< by this tick: `proxy_age` is that proxy's
-  std::array<std::uint8_t, kMost> bytes;
-
-  /// Written out: the bytes beyond `size` have no value.
-  SerialisedState() noexcept {}  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  bool proxy_used{false};                 ///< by this tick: `proxy_age` is that proxy's
+  std::array<std::uint8_t, kMost> bytes;  ///< those beyond `size` have no value
 
   [[nodiscard]] std::span<const std::uint8_t> message() const noexcept {
     return std::span(bytes).first(size < kMost ? size : kMost);

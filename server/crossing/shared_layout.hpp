@@ -9,6 +9,7 @@
 #include "server/crossing/broadcast.hpp"
 #include "server/crossing/crossing.hpp"
 #include "server/crossing/inbox.hpp"
+#include "server/crossing/layout.hpp"
 #include "server/crossing/server_facts.hpp"
 #include "server/crossing/tick_totals.hpp"
 
@@ -16,6 +17,23 @@ namespace haptic::server {
 
 /// Raised if the meaning of a value changes and its layout does not.
 inline constexpr std::uint32_t kInterface = 1;
+
+template <typename T>
+struct Held<Stamped<T>> {
+  using Type = T;
+};
+template <typename T>
+struct Held<Latest<T>> {
+  using Type = T;
+};
+template <typename T, std::size_t N>
+struct Held<Broadcast<T, N>> {
+  using Type = T;
+};
+template <typename T, std::size_t N>
+struct Held<Inbox<T, N>> {
+  using Type = T;
+};
 
 /// Devices of a scene at most.
 inline constexpr std::size_t kMostDevices = 64;
@@ -69,20 +87,5 @@ struct FrontsPages {
   Inbox<ProxySample, 256> proxies;
   Inbox<PoseSample, 64> poses;
 };
-
-/// A number that differs, with all likelihood, if two programs were built from different layouts.
-[[nodiscard]] constexpr std::uint64_t layout_hash() noexcept {
-  std::uint64_t hash = 14695981039346656037ULL;
-  for (const std::uint64_t part :
-       {std::uint64_t{kInterface}, std::uint64_t{sizeof(OwnersPages)},
-        std::uint64_t{sizeof(FrontsPages)}, std::uint64_t{sizeof(SerialisedState)},
-        std::uint64_t{sizeof(Answer)}, std::uint64_t{sizeof(DeviceEvent)},
-        std::uint64_t{sizeof(DeviceStatus)}, std::uint64_t{sizeof(TickTotals)},
-        std::uint64_t{sizeof(ServerFacts)}, std::uint64_t{sizeof(Request)},
-        std::uint64_t{sizeof(ProxySample)}, std::uint64_t{sizeof(PoseSample)}}) {
-    hash = (hash ^ part) * 1099511628211ULL;
-  }
-  return hash;
-}
 
 }  // namespace haptic::server

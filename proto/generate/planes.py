@@ -183,8 +183,8 @@ def core(schema: Schema) -> list[str]:
 def _c_members(fields: list[Field], contact: bool) -> list[str]:
     lines = []
     for field in sorted(fields, key=lambda field: field.number):
-        about = about(field, contact)
-        lines += wrapped(about, "  /* ", "   * ", " */") if about else []
+        words = about(field, contact)
+        lines += wrapped(words, "  /* ", "   * ", " */") if words else []
         if field.repeated:
             if not field.axis:
                 lines.append(f"  uint32_t {field.name}_count;")
@@ -211,12 +211,12 @@ def c_header(schema: Schema) -> list[str]:
             *_c_members(told(schema), True), "} haptic_contact;", "", "#endif"]
 
 
-def _c_reader(name: str, struct: str, fields: list[Field]) -> list[str]:
+def _c_reader(name: str, struct: str, called: str, fields: list[Field]) -> list[str]:
     lines = ["", f"void read_fields(const {struct}& from, client::{name}& to) {{"]
     for field in fields:
         got, to = f"from.{field.name}", f"to.{field.name}"
         if field.repeated:
-            lines += [f'  at_most("{field.name}_count", {got}_count, std::size({got}));',
+            lines += [f'  at_most("{called}{field.name}_count", {got}_count, std::size({got}));',
                       f"  {to}.assign({got}, {got} + {got}_count);"]
         else:
             when = f"if ({'from.has_' + field.name} != 0) " if field.optional else ""
@@ -227,8 +227,8 @@ def _c_reader(name: str, struct: str, fields: list[Field]) -> list[str]:
 def c_conversion(schema: Schema) -> list[str]:
     plane = [field for field in _fields(schema) if not field.axis]
     lines = [f"// {_MADE}", '#include "convert_plane.hpp"', "", "namespace haptic::c {",
-             *_c_reader("Plane", "haptic_plane", plane),
-             *_c_reader("Contact", "haptic_contact", told(schema)), "",
+             *_c_reader("Plane", "haptic_plane", "plane.", plane),
+             *_c_reader("Contact", "haptic_contact", "contact->", told(schema)), "",
              "void write_fields(const client::Plane& from, haptic_plane& to) {"]
     for field in plane:
         got, to = f"from.{field.name}", f"to.{field.name}"

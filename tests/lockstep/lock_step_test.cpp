@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "server/owner/scene/scene.hpp"
+#include "tests/server/owner/loop/record_keeper.hpp"
 #include "tests/server/support/test_client.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/link/impaired_link.hpp"
@@ -39,6 +40,7 @@ class Server {
         telemetry_({unit_.get()}),
         owner_(telemetry_) {
     owner_.add(*unit_, {});
+    telemetry_.add(0, &records_);
     front_ = HandFront::of(owner_);
     for (int i = 0; i < 3; ++i) tick();
   }
@@ -65,8 +67,9 @@ class Server {
   core::TickRecord tick() {
     now_ += kTick.count();
     unit_->tick(now(), kTick, {});
+    records_.records.clear();
     telemetry_.drain();
-    return telemetry_.newest(0);
+    return records_.records.back();
   }
   /// A request to the loop was posted; it stays posted.
   void wait_for_request() {
@@ -92,6 +95,7 @@ class Server {
   std::atomic<std::int64_t> now_{core::Duration(1h).count()};
   server::Scene scene_;
   std::unique_ptr<server::DeviceUnit> unit_;
+  RecordKeeper records_{};
   server::Telemetry telemetry_;
   server::Owner owner_;
   std::shared_ptr<HandFront> front_{};

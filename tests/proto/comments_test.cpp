@@ -26,7 +26,7 @@ struct Declaration {
 
 /// The declarations of a .proto file, one a line, as ours are written.
 std::vector<Declaration> declarations(const std::string& text) {
-  static const std::regex field(R"(^\s*(?:optional |repeated )?[\w.]+ (\w+) = \d+(?:;| \[)(.*)$)");
+  static const std::regex field(R"(^\s*(?:optional |repeated )?[\w.]+ (\w+) = \d+(?:;| \[|$)(.*))");
   static const std::regex value(R"(^\s*([A-Z][A-Z0-9_]+) = \d+;(.*)$)");
   static const std::regex call(R"(^\s*rpc (\w+)(.*)$)");
   std::vector<Declaration> found;

@@ -124,7 +124,9 @@ TEST(PlaneProjection, LeadsWhereAlgebraDoes) {
     const Answer answer = project(planes_of(2, c.planes), c.probe, c.metric);
     EXPECT_EQ(answer.status, c.status) << c.what;
     EXPECT_LE((answer.x - c.x).norm(), c.within) << c.what << ": " << answer.x.transpose();
-    if (c.active != kAny) EXPECT_EQ(answer.active, c.active) << c.what;
+    if (c.active != kAny) {
+      EXPECT_EQ(answer.active, c.active) << c.what;
+    }
   }
 }
 

@@ -26,9 +26,9 @@ PipelineConfig on_rails(int n = 1) {
 }
 
 /// A client with a sample every `period_ms`, computed from the probe `late_ms` before it came.
-class Late : public test::Driven {
+class Late : public test::DrivenPipeline {
  public:
-  explicit Late(const PipelineConfig& config = on_rails()) : Driven(config) {
+  explicit Late(const PipelineConfig& config = on_rails()) : DrivenPipeline(config) {
     input.device.sample.q = VecQ::Constant(config.kinematics->layout().n_q(), 0.01);
     input.proxy.x = VecX::Constant(config.kinematics->space().n_x(), 0.008);
     input.proxy.mode = ProxyMode::kNone;

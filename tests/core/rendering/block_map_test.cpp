@@ -229,7 +229,8 @@ TEST(Kinematics, PositionGivesTheBitsOfEvaluate) {
   const auto hand = make_hand_exoskeleton(five_fingers());
   const auto tracked = make_tracked_hand(five_fingers_on_a_palm());
   std::mt19937_64 random(3);
-  for (const Kinematics* map : {finger.get(), hand.get(), tracked.get()}) {
+  for (const Kinematics* map :
+       std::initializer_list<const Kinematics*>{finger.get(), hand.get(), tracked.get()}) {
     int compared = 0;
     for (int trial = 0; trial < 3000; ++trial) {
       VecQ q(map->layout().n_q());

@@ -56,9 +56,9 @@ PipelineConfig coupled_config(RendererKind renderer, const Matrix2d& Z = kZ) {
   return c;
 }
 
-class CoupledBench : public test::Driven {
+class CoupledBench : public test::DrivenPipeline {
  public:
-  explicit CoupledBench(const PipelineConfig& config) : Driven(config) {
+  explicit CoupledBench(const PipelineConfig& config) : DrivenPipeline(config) {
     input.device.sample.q = target = VecQ::Zero(3);
   }
   VecQ& q() { return input.device.sample.q; }

@@ -11,16 +11,16 @@
 
 namespace haptic::core::test {
 
-class Driven {
+class DrivenPipeline {
  public:
-  explicit Driven(const PipelineConfig& config) : pipeline(config), again_(config) {
+  explicit DrivenPipeline(const PipelineConfig& config) : pipeline(config), again_(config) {
     input.settings = config.scene;
     input.device.armed = true;
     input.command.tenure = input.proxy.tenure = 1;
     input.command.lease_held = true;
     input.proxy.mode = ProxyMode::kHeld;
   }
-  virtual ~Driven() = default;
+  virtual ~DrivenPipeline() = default;
   /// `sample`, `publish`: the device and the client give something new.
   const TickRecord& tick(bool sample = true, bool publish = true) {
     input.now += std::chrono::milliseconds(1);
@@ -43,7 +43,9 @@ class Driven {
     record = pipeline.tick(input);
     EXPECT_EQ(guard.allocations() + guard.releases(), 0u);
     if (first) mode = ProxyMode::kHeld;
-    if (replays) EXPECT_TRUE(identical(again_.tick(record.input), record)) << record.beat.tick;
+    if (replays) {
+      EXPECT_TRUE(identical(again_.tick(record.input), record)) << record.beat.tick;
+    }
     return record;
   }
   const TickRecord& run(int ticks) {

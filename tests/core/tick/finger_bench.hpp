@@ -35,9 +35,9 @@ inline PipelineConfig with_tank(RendererKind renderer, double initial) {
   return c;
 }
 
-class Bench : public Driven {
+class Bench : public DrivenPipeline {
  public:
-  explicit Bench(const PipelineConfig& config) : Driven(config) { put(joints(0.5, 0.5)); }
+  explicit Bench(const PipelineConfig& config) : DrivenPipeline(config) { put(joints(0.5, 0.5)); }
   void put(const VecX& x) {
     EXPECT_EQ(pipeline.config().kinematics->inverse(x, input.device.sample.q),
               InverseStatus::kExact);

@@ -18,10 +18,10 @@ using namespace test;
 /// Some equal fingers in virtual time: the first presses on stops and moves, the second moves
 /// freely, the third rests. The proxy is what a client on this machine would send, held or as
 /// planes.
-class Hand : public Driven {
+class Hand : public DrivenPipeline {
  public:
   Hand(int fingers, RendererKind renderer, ProxyMode mode, bool guard = false)
-      : Driven(config(equal_fingers(fingers), renderer, guard)) {
+      : DrivenPipeline(config(equal_fingers(fingers), renderer, guard)) {
     input.proxy.mode = mode;
   }
   [[nodiscard]] const Kinematics& map() const { return *pipeline.config().kinematics; }

@@ -48,9 +48,9 @@ PipelineConfig config_with_tracker() {
 
 /// The device at rest, whose own palm is elsewhere; a controller and, while `tracking`, a tracker
 /// that speak in every tick.
-class Rig : public test::Driven {
+class Rig : public test::DrivenPipeline {
  public:
-  Rig() : Driven(config_with_tracker()) {
+  Rig() : DrivenPipeline(config_with_tracker()) {
     input.device.sample.q = VecQ::Constant(7, 0.3);
     input.device.sample.q[6] = 0.0;
     input.proxy.mode = ProxyMode::kPlanes;

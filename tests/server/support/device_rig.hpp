@@ -48,8 +48,8 @@ class DeviceRig {
     unit = std::make_unique<server::DeviceUnit>("rig", std::move(owned), std::move(config));
     telemetry = std::make_unique<server::Telemetry>(std::vector<server::DeviceUnit*>{unit.get()});
     owner = std::make_unique<server::Owner>(*telemetry, max_sessions);
+    telemetry->add(0, &newest_);  // first: who hears from the owner of a tick finds its record here
     owner->add(*unit, rules);
-    telemetry->add(0, &newest_);
     sessions = HandFront::of(*owner);
     now = start;
   }

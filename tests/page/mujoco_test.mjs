@@ -77,7 +77,7 @@ async function handPresses(watch) {
 async function frameOfCore(over) {
   const computed = await workerTimes(over);
   await over;
-  assert.ok(computed.length > 100);
+  assert.ok(computed.length > (CALM ? 100 : 10));  // a busy machine computes fewer frames
   const [half, most] = [0.5, 0.99].map(
     (part) => computed[Math.floor(part * (computed.length - 1))]);
   assert.ok(!CALM || most <= LONGEST_MS, `${most} ms of a core`);

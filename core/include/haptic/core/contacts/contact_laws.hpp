@@ -26,7 +26,7 @@ class ContactLaws {
   }
   /// The laws of a new sample's contacts, which recede at the velocities that it tells. Gaps are
   /// counted in units of `length`, one per contact; those in `left_out` have no law, and so has one
-  /// of mass 0. A direction on an object that has no length is of no object. What is known of the
+  /// of mass 0. A direction of length 0 belongs to no object. Knowledge of the
   /// masses is kept for the contacts that the sample names: they become those that explain the
   /// samples.
   void set(const PlaneSet& told, const Vector& length, std::uint32_t left_out) noexcept;

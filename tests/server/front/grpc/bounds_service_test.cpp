@@ -40,9 +40,9 @@ TEST(Bounds, CompressedRequestsAreRefused) {
 }
 
 TEST(Bounds, ACutConnectionComesAgain) {
-  server::ServiceConfig config{.listen = {"127.0.0.1:0"}};
-  config.connections.debt = 16 * 1024;
-  LiveServer server(config);
+  server::ServiceLimits limits;
+  limits.connections.debt = 16 * 1024;
+  LiveServer server({{"127.0.0.1:0"}}, patient_config(), {}, limits);
   const auto channel = server.channel();
   OpenSession session(channel);
   session.publish(std::vector<double>(20'000, 0.0));  // beyond every message: a debt

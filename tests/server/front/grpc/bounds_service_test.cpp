@@ -66,7 +66,7 @@ TEST(Bounds, ShutdownWaitsForNoPeer) {
   }());
   std::this_thread::sleep_for(300ms);
   const auto begin = std::chrono::steady_clock::now();
-  server->rpc.shutdown(1s);
+  server->rpc.stop(1s);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 5s);
   context.TryCancel();
 }

@@ -274,7 +274,7 @@ TEST(Connections, AnAddressInUseIsNamed) {
   Door door({});
   const std::string address = "127.0.0.1:" + std::to_string(door.port());
   try {
-    Connections second({address}, {});
+    const server::Listeners second({{address}}, false);
     FAIL() << "bound twice";
   } catch (const core::TransportError& error) {
     EXPECT_NE(std::string(error.what()).find(address), std::string::npos) << error.what();

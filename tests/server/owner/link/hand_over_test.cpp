@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
 
 #include "haptic/core/error.hpp"
@@ -91,9 +92,9 @@ TEST(HandOver, FrontsGetTheSameListeningSockets) {
     sockaddr_storage name{};
     socklen_t size = sizeof name;
     EXPECT_EQ(getsockname(socket.get(), reinterpret_cast<sockaddr*>(&name), &size), 0);
-    std::uint16_t port = 0;
-    std::memcpy(&port, reinterpret_cast<const char*>(&name) + 2, sizeof port);
-    return port;
+    std::uint16_t number = 0;  // at the same place in every family
+    std::memcpy(&number, reinterpret_cast<const char*>(&name) + 2, sizeof number);
+    return number;
   };
   const FrontStart first = hand_over.start(), second = hand_over.start();
   ASSERT_EQ(first.sockets.size(), sockets_of(first.config));

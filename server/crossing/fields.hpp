@@ -1,7 +1,7 @@
 #pragma once
-/// The fields of a struct with their names, taken from its declaration: layout.hpp makes of them
-/// the number that two builds compare. A struct must be an aggregate of up to 50 fields, each of
-/// which can be made from {}.
+/// The fields of a struct with their names, taken from its declaration: of them layout.hpp makes
+/// the number that two builds compare, and front_config.cpp the bytes for another process. A struct
+/// must be an aggregate of up to 50 fields, each of which can be made from {}.
 
 #include <array>
 #include <cstddef>

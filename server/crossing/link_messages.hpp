@@ -3,15 +3,16 @@
 ///
 ///   front                         owner
 ///   kHello, its layout   ------>  refuses another layout
-///                        <------  kWelcome, with the shared pages, the scene and the devices
+///                        <------  kWelcome, with the shared pages, the configuration, and the
+///                                 sockets and files that the owner opened for it
 ///   kReady               ------>  the front before it is told to leave, and awaited
-///                        <------  kGo: bind and serve, where the one before did
-///   kServing, addresses  ------>
+///                        <------  kGo: serve
+///   kServing             ------>
 ///   kRequest             ------>  answered in OwnersPages::answers
 ///                        <------  kLeave: end the streams, then the process
 ///
 /// kCannotServe comes instead of kReady or kServing, with the reason: a front that is to take
-/// another one's place and finds a wrong certificate leaves the old one where it is.
+/// another one's place and finds a wrong certificate or token leaves the old one where it is.
 
 #include <cstdint>
 
@@ -24,26 +25,23 @@ struct FrontMessage {
   enum class Kind : std::uint8_t { kHello, kReady, kServing, kCannotServe, kRequest };
   Kind kind{Kind::kHello};
   std::uint64_t layout{0};  ///< kHello: layout_hash()
-  Text<512> text{};         ///< kServing: addresses, with blanks between; kCannotServe: why
+  Text<512> text{};         ///< kCannotServe: why
   Request request{};        ///< kRequest
 };
 
 struct OwnerMessage {
   enum class Kind : std::uint8_t { kWelcome, kGo, kLeave };
-  /// Descriptors of kWelcome, in this order.
+  /// Descriptors of kWelcome, in this order; FrontStart's sockets and files follow.
   enum : std::size_t {
     kOwnersPages,
     kFrontsPages,
     kWakesOwner,
-    kScene,    ///< text, as `hapticd --print-scene` shows it
-    kDevices,  ///< v1::ListDevicesResponse: what does not change
+    kConfig,  ///< FrontConfig as bytes
     kDescriptors
   };
   Kind kind{Kind::kWelcome};
-  /// kGo: where the front before served, with blanks between: a port that was any is so no more.
-  Text<512> addresses{};
-  std::uint32_t generation{0};  ///< kWelcome: of the front (request_id())
-  std::uint64_t scene_bytes{0}, device_bytes{0};
+  std::uint32_t generation{0};    ///< kWelcome: of the front (request_id())
+  std::uint64_t config_bytes{0};  ///< kWelcome
 };
 
 /// A number that differs, with all likelihood, if two programs were built from different layouts.

@@ -21,6 +21,7 @@ std::pair<Descriptor, Descriptor> packet_pair() {
 }
 
 bool send_bytes(int socket, std::span<const std::byte> bytes, std::span<const int> descriptors) {
+  if (descriptors.size() > kMostDescriptors) return false;
   iovec part{const_cast<std::byte*>(bytes.data()), bytes.size()};
   alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(int) * kMostDescriptors)> control{};
   msghdr message{};

@@ -24,12 +24,12 @@ enum class Received : std::uint8_t {
 /// Two ends that do not block and are closed by exec. Throws core::TransportError.
 [[nodiscard]] std::pair<Descriptor, Descriptor> packet_pair();
 
-/// False: the other end is gone, or its queue is full.
+/// False: the other end is gone, its queue is full, or there are more than kMostDescriptors.
 bool send_bytes(int socket, std::span<const std::byte> bytes, std::span<const int> descriptors);
 /// Descriptors beyond kMostDescriptors are closed.
 [[nodiscard]] Received receive_bytes(int socket, std::span<std::byte> bytes,
                                      std::vector<Descriptor>* descriptors);
-inline constexpr std::size_t kMostDescriptors = 8;
+inline constexpr std::size_t kMostDescriptors = 253;  // the kernel's SCM_MAX_FD
 
 template <typename T>
 bool send(int socket, const T& message, std::span<const int> descriptors = {}) {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "haptic/core/tick/pipeline.hpp"
+#include "haptic/core/safety/staleness.hpp"
 #include "server/crossing/crossing.hpp"
 
 namespace haptic::v1 {
@@ -22,10 +22,8 @@ namespace haptic::server {
 /// Facts that never change while the server runs.
 struct DeviceFacts {
   std::string name{};
-  std::shared_ptr<const v1::Device> description{};  ///< state/device_message.hpp
-  /// Outlives both sides. A front in a process of its own knows what the scene says: `device` and
-  /// `loop_late_fault` have their defaults there.
-  const core::PipelineConfig* config{nullptr};
+  std::shared_ptr<const v1::Device> description{};  ///< owner/state/device_message.hpp
+  core::StalenessLimits staleness{};                ///< the scene's
   core::Duration lease_timeout{};
   std::size_t largest_state{0};  ///< bytes of a v1::DeviceState at most
 };

@@ -44,7 +44,7 @@ struct Happened {
   DeviceEvent event{};
 };
 
-/// Counters of a front with which the next one goes on (FrontApp::counted).
+/// Counters of a front with which the next one goes on (FrontServer::counted).
 inline constexpr std::size_t kFrontCounters = 32;
 using FrontCounters = std::array<std::uint64_t, kFrontCounters>;
 

@@ -38,17 +38,13 @@ SharedMemory::SharedMemory(const char* name, std::size_t bytes, Access of_the_ot
 }
 
 SharedMemory::SharedMemory(Descriptor descriptor, std::size_t bytes, Access access)
-    : SharedMemory(std::move(descriptor), access) {
-  if (bytes_ == bytes) return;
-  throw core::TransportError("shared memory: has " + std::to_string(bytes_) + " bytes, must have " +
-                             std::to_string(bytes));
-}
-
-SharedMemory::SharedMemory(Descriptor descriptor, Access access)
-    : descriptor_(std::move(descriptor)) {
+    : descriptor_(std::move(descriptor)), bytes_(bytes) {
   struct stat status {};
   if (fstat(descriptor_.get(), &status) != 0) fail("no descriptor");
-  bytes_ = static_cast<std::size_t>(status.st_size);
+  if (static_cast<std::size_t>(status.st_size) != bytes) {
+    throw core::TransportError("shared memory: has " + std::to_string(status.st_size) +
+                               " bytes, must have " + std::to_string(bytes));
+  }
   const int seals = fcntl(descriptor_.get(), F_GET_SEALS);
   if (seals < 0 || (seals & kFixedSize) != kFixedSize) {
     throw core::TransportError("shared memory: its size must be fixed");

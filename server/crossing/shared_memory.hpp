@@ -20,8 +20,6 @@ class SharedMemory {
   /// Memory that the other process made; refused if it is not of this size or could still shrink,
   /// because a page that is gone would end this process.
   SharedMemory(Descriptor descriptor, std::size_t bytes, Access access);
-  /// The same of any size.
-  SharedMemory(Descriptor descriptor, Access access);
   SharedMemory(SharedMemory&& other) noexcept;
   SharedMemory& operator=(SharedMemory&& other) noexcept;
   ~SharedMemory();

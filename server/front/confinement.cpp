@@ -5,6 +5,7 @@
 #include <sched.h>
 #include <seccomp.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -14,7 +15,7 @@
 #include <memory>
 
 #include "haptic/core/error.hpp"
-#include "server/crossing/shared_memory.hpp"
+#include "server/base/descriptor.hpp"
 
 namespace haptic::server {
 namespace {
@@ -31,25 +32,23 @@ struct Ruleset {
 
 constexpr std::uint64_t kRead = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
 constexpr std::uint64_t kReadFile = LANDLOCK_ACCESS_FS_READ_FILE;
-constexpr std::uint64_t kSocket = LANDLOCK_ACCESS_FS_MAKE_SOCK | LANDLOCK_ACCESS_FS_REMOVE_FILE;
 
 [[noreturn]] void fail(const char* what) {
   throw core::TransportError(std::string("confinement of the front: ") + what + ": " +
                              std::strerror(errno));
 }
 
-void allow(int ruleset, const std::filesystem::path& path, std::uint64_t access) {
-  const Descriptor place(open(path.c_str(), O_PATH | O_CLOEXEC));
-  if (!place) return;  // what is not there needs no permission
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(path, ignored)) access &= kReadFile;
-  const landlock_path_beneath_attr rule{access, place.get()};
+/// Allows to read `place` and what lies in it.
+void allow(int ruleset, int place) {
+  struct stat status {};
+  if (fstat(place, &status) != 0) return;  // what is not there needs no permission
+  const landlock_path_beneath_attr rule{S_ISDIR(status.st_mode) ? kRead : kReadFile, place};
   if (syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) != 0) {
-    fail(path.c_str());
+    fail("landlock_add_rule");
   }
 }
 
-void confine_files(const ConfinedFiles& files, std::vector<std::string>& missing) {
+void confine_files(int folder, std::vector<std::string>& missing) {
   const long version =
       syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
   if (version < 1) {
@@ -68,10 +67,9 @@ void confine_files(const ConfinedFiles& files, std::vector<std::string>& missing
   for (const char* system :
        {"/usr", "/lib", "/lib64", "/etc", "/proc/self", "/proc/sys", "/sys/devices/system/cpu",
         "/sys/fs/cgroup", "/dev/null", "/dev/urandom", "/run/systemd/resolve"}) {
-    allow(ruleset.get(), system, kRead);
+    allow(ruleset.get(), Descriptor(open(system, O_PATH | O_CLOEXEC)).get());
   }
-  for (const auto& path : files.read) allow(ruleset.get(), path, kRead);
-  for (const auto& folder : files.sockets) allow(ruleset.get(), folder, kSocket | kRead);
+  allow(ruleset.get(), folder);
   if (syscall(SYS_landlock_restrict_self, ruleset.get(), 0) != 0) fail("landlock_restrict_self");
 }
 
@@ -164,11 +162,11 @@ void confine_calls() {
 
 }  // namespace
 
-std::vector<std::string> confine(const ConfinedFiles& files) {
+std::vector<std::string> confine(int folder) {
   std::vector<std::string> missing;
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) fail("no_new_privs");
   prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);
-  confine_files(files, missing);
+  confine_files(folder, missing);
   confine_calls();
   return missing;
 }

@@ -1,13 +1,28 @@
 #pragma once
-/// HapticService on its addresses, by every carrier: gRPC, datagrams, WebSockets and HTTP.
+/// HapticService on its addresses, by every carrier: gRPC, datagrams, WebSockets and HTTP. What
+/// faces the network, on top of an owner that it knows by OwnerPort alone.
+///
+/// | thread     | what it owns                                     | how it stops                |
+/// |------------|--------------------------------------------------|-----------------------------|
+/// | main       | the FrontServer; waits for the owner's word      | hapticd-front ends          |
+/// | owner link | what the owner tells: answers, events, states to | OwnerLink::stop()           |
+/// |            | streams; the sign of life                        |                             |
+/// | udp        | the UDP path's socket: samples in, challenges;   | UdpPort::stop()             |
+/// |            | only if the scene has udp_listen                 |                             |
+/// | web        | WebSockets, calls by HTTP, scrapes; only if the  | FrontServer::stop()         |
+/// |            | scene wants them                                 |                             |
+/// | connec-    | accepts connections, counts their bytes          | FrontServer::stop()         |
+/// | tions      |                                                  |                             |
+/// | gRPC's     | calls                                            | FrontServer::stop()         |
 
-#include <cstdint>
+#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "server/crossing/front_config.hpp"
+#include "server/crossing/shared_layout.hpp"
 #include "server/front/service/service_context.hpp"
 #include "server/front/web/web_content.hpp"
 
@@ -16,46 +31,52 @@ namespace haptic::server {
 class RpcServer;
 class WebServer;
 
+/// The owner's words about itself.
+struct FrontSources {
+  FactsProvider facts{};
+  std::function<TickTotals(std::size_t device)> totals{};
+  /// Says what this front has counted so far; the answer is that and what those before it did.
+  /// None: there was none before.
+  std::function<FrontCounters(const FrontCounters&)> count{};
+};
+
 class FrontServer {
  public:
-  /// `owner` must outlive the server. `content`: what is served over HTTP besides the service.
-  FrontServer(ServiceConfig config, OwnerPort& owner, FactsProvider facts, WebContent content = {});
-  /// shutdown() with 1 s.
+  /// Reads and checks the files of `start`, and serves nothing yet. `owner` and what the sources
+  /// use must outlive this. Throws core::TransportError naming the file that is wrong.
+  FrontServer(FrontStart start, OwnerPort& owner, FrontSources sources, ServiceLimits limits = {});
+  /// stop() with 1 s.
   ~FrontServer();
   FrontServer(const FrontServer&) = delete;
   FrontServer& operator=(const FrontServer&) = delete;
 
-  /// Binds and serves. Throws TransportError naming the address: in use, not to be resolved, or not
-  /// allowed without TLS; or the file of TLS or the token that is wrong.
+  /// Once: serves. Throws core::TransportError: too few descriptors or threads are allowed.
   void start();
-  /// All addresses as bound, ports filled in: those of gRPC, those for browsers, the metrics'.
-  /// Empty unless running.
-  [[nodiscard]] const std::vector<std::string>& bound_addresses() const noexcept { return bound_; }
-  [[nodiscard]] std::string web_address() const;
-  /// The metrics'; 0 if there are none.
-  [[nodiscard]] std::uint16_t metrics_port() const;
-  /// Those of gRPC and of browsers, with a word on what protects each, for people.
-  [[nodiscard]] const std::vector<std::string>& served() const noexcept { return served_; }
-  /// Weaknesses, a sentence each.
-  [[nodiscard]] std::vector<std::string> weaknesses() const { return context_->weaknesses(); }
-  /// The UDP path's; 0 if there is none.
-  [[nodiscard]] std::uint16_t udp_port() const;
+  /// Refuses new calls, ends streams (UNAVAILABLE), waits for at most `grace`, then cuts what is
+  /// still connected. Idempotent.
+  void stop(core::Duration grace);
+
+  [[nodiscard]] const FrontConfig& config() const noexcept { return context_->config; }
+  /// The addresses of gRPC and of browsers, with a word on what protects each, for people.
+  [[nodiscard]] std::vector<std::string> served() const;
   /// Datagrams dropped since the start, by reason ("TAG", ...); empty without a UDP path.
   [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> dropped_datagrams() const;
   /// Connections that are open, and how many were cut since the start because of their bounds.
   [[nodiscard]] std::pair<std::size_t, std::uint64_t> connections() const;
-  /// Refuses new calls, ends streams (UNAVAILABLE), waits for at most `grace`, then cuts what is
-  /// still connected. Idempotent.
-  void shutdown(core::Duration grace);
 
  private:
   void serve();
+  void say_what_is_served() const;
+  [[nodiscard]] std::string metrics() const;
+  /// Counters of this front and those before it.
+  [[nodiscard]] FrontCounters counted() const;
 
+  const FrontSources sources_;
   const std::shared_ptr<ServiceContext> context_;  ///< the owner may be calling it still
-  const WebContent content_;
+  std::vector<Descriptor> sockets_;                ///< until start()
+  WebContent content_{};
   std::unique_ptr<RpcServer> rpc_;
   std::unique_ptr<WebServer> web_{};  ///< null: nothing is served over HTTP
-  std::vector<std::string> bound_{}, served_{};
 };
 
 }  // namespace haptic::server

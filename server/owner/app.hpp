@@ -13,7 +13,7 @@
 /// | front link | requests, other samples, fronts' lives, local   | FrontLink::stop(), 1.5 s     |
 /// |            | control socket                                  |                              |
 ///
-/// All but main block every signal. The front's threads: server/front/app.hpp.
+/// All but main block every signal. The front's threads: server/front/server.hpp.
 
 #include <functional>
 #include <memory>
@@ -34,7 +34,8 @@ class TickMetrics;
 
 struct AppOptions {
   RealtimeMode realtime{RealtimeMode::kTry};
-  bool insecure_lab{false};  ///< for the front: plain text on any address (ServiceConfig)
+  bool insecure_lab{false};  ///< for the front: plain text on any address (FrontConfig)
+  std::string log_level{"info"}, log_format{"text"};  ///< for the front
 };
 
 /// The part that faces the network, as the App starts and stops it.
@@ -64,10 +65,9 @@ class App {
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
-  /// Once. Gets the real-time grant, opens the devices, starts the front, which binds the
-  /// addresses, and the loop:
-  /// nothing ticks before all of it stands. Throws SceneError, DeviceError, RealtimeError,
-  /// TransportError; what was started by then is stopped.
+  /// Once. Gets the real-time grant, opens the devices, binds the addresses, starts the front and
+  /// the loop: nothing ticks before all of it stands. Throws SceneError, DeviceError,
+  /// RealtimeError, TransportError; what was started by then is stopped.
   void start();
   /// SIGTERM of proto/README.md#states-of-a-device: force fades out, devices are disarmed,
   /// telemetry drained, calls ended; less than 5 s. Idempotent.
@@ -80,7 +80,7 @@ class App {
   /// Any thread, between start() and stop().
   [[nodiscard]] LoopFacts loop_facts() const;
   [[nodiscard]] ServerFacts facts() const;
-  [[nodiscard]] Owner& owner() { return *owner_; }
+  [[nodiscard]] Owner& owner() const { return *owner_; }
   [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
   [[nodiscard]] const AppOptions& options() const noexcept { return options_; }
   /// Null if the scene has no metrics.

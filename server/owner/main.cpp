@@ -138,24 +138,12 @@ int wait_for_end(const sigset_t& signals, haptic::server::App& app,
   }
 }
 
-/// The front's command line.
-std::vector<std::string> front_arguments(const CommandLine& line) {
-  std::vector<std::string> arguments{"--log-level", line.log_level, "--log-format",
-                                     line.log_format};
-  if (line.insecure_lab) arguments.emplace_back("--insecure-lab");
-  for (const std::string& address : line.listen) {
-    arguments.emplace_back("--listen");
-    arguments.push_back(address);
-  }
-  return arguments;
-}
-
 int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& signals) {
   // Forked while this thread is the only one: the log has one too.
   std::optional<haptic::server::Launcher> launcher;
   if (!scene.server.offline) {
-    launcher.emplace(haptic::server::front_program(), front_arguments(line),
-                     haptic::server::front_limits(scene));
+    launcher.emplace(haptic::server::front_program(), haptic::server::front_limits(scene));
+    if (!line.listen.empty()) scene.server.listen = line.listen;
   }
   if (getpid() == 1) std::signal(SIGCHLD, SIG_IGN);  // in a container: it reaps what others leave
   haptic::server::log_to_stderr(line.log_format == "json" ? LogFormat::kJson : LogFormat::kText);
@@ -163,7 +151,8 @@ int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& 
   const std::vector<std::string> warnings = scene.warnings;
   std::atomic<bool> front_lost{false};
   haptic::server::App app(
-      std::move(scene), {line.realtime, line.insecure_lab}, [&](haptic::server::App& owner) {
+      std::move(scene), {line.realtime, line.insecure_lab, line.log_level, line.log_format},
+      [&](haptic::server::App& owner) {
         return haptic::server::front_process(owner, launcher ? &*launcher : nullptr, [&] {
           spdlog::error("the launcher of the front is gone: hapticd stops");
           front_lost.store(true);
@@ -217,10 +206,7 @@ int run(const CommandLine& line) {
     if (line.check_scene) {
       check_files(scene);
       for (const std::string& warning : scene.warnings) std::cerr << "warning: " << warning << "\n";
-      if (scene.server.tls) {
-        const int status = haptic::server::check_tls(scene.resolved);
-        if (status != 0) return status;
-      }
+      haptic::server::check_front_files(scene);
       std::cout << line.scene << ": ok\n";
     }
     if (line.print_scene || line.check_scene) return 0;

@@ -125,14 +125,11 @@ inline int serve(const std::string& scene_file, int port, int times, std::option
   if (loop_cpu) settings.push_back("loop.cpu=" + std::to_string(*loop_cpu));
   server::Scene scene = server::load_scene(scene_file, settings);
   std::optional<server::Launcher> launcher;
-  if (!front.empty()) {
-    launcher.emplace(front, std::vector<std::string>{"--log-level", "warn"},
-                     server::front_limits(scene));
-  }
+  if (!front.empty()) launcher.emplace(front, server::front_limits(scene));
   spdlog::set_level(spdlog::level::warn);
   auto& source = scene.devices.front().source;
   source = std::make_shared<TimedConfig>(source, map_tick_times(times));
-  const server::AppOptions options{server::RealtimeMode::kTry};
+  const server::AppOptions options{server::RealtimeMode::kTry, false, "warn"};
   std::unique_ptr<server::App> app;
   if (launcher) {
     app = std::make_unique<server::App>(std::move(scene), options, [&](server::App& owner) {

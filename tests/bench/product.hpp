@@ -16,10 +16,12 @@
 #include "hw/device.hpp"
 #include "hw/device_config.hpp"
 #include "server/front/server.hpp"
+#include "server/owner/link/hand_over.hpp"
 #include "server/owner/loop/loop.hpp"
 #include "server/owner/rights/owner.hpp"
 #include "server/owner/scene/scene.hpp"
 #include "tests/bench/percentile.hpp"
+#include "tests/server/support/port_of.hpp"
 
 namespace haptic::bench {
 
@@ -71,10 +73,11 @@ class Product {
         unit_(make_unit(scene_, std::move(device))),
         telemetry_({unit_.get()}),
         owner_(telemetry_),
-        front_({.listen = std::move(listen),
-                .udp_listen = std::move(udp_listen),
-                .web = std::move(web)},
-               with(owner_, *unit_), [] { return server::ServerFacts{}; }),
+        hand_over_(handed_over({.listen = std::move(listen),
+                                .udp_listen = std::move(udp_listen),
+                                .web = std::move(web)})),
+        front_(hand_over_->start(), with(owner_, *unit_),
+               {[] { return server::ServerFacts{}; }, {}, {}}),
         loop_(server::RealtimeRequest{}, std::chrono::milliseconds(1)) {
     telemetry_.allow_watching(loop_.grant().facts.sched_fifo &&
                               std::thread::hardware_concurrency() > 1);
@@ -86,17 +89,23 @@ class Product {
   ~Product() {
     owner_.begin_closing();
     loop_.finish(std::chrono::seconds(1));
-    front_.shutdown(std::chrono::seconds(1));
+    front_.stop(std::chrono::seconds(1));
     telemetry_.stop();
   }
   [[nodiscard]] std::string address(std::size_t i = 0) const {
-    return front_.bound_addresses().at(i);
+    return hand_over_->addresses().at(i);
   }
-  [[nodiscard]] std::uint16_t udp_port() const { return front_.udp_port(); }
+  [[nodiscard]] std::uint16_t udp_port() const {
+    return test::port_of(hand_over_->config().udp_listen);
+  }
 
   Arrivals arrivals;
 
  private:
+  static std::unique_ptr<server::HandOver> handed_over(const server::ServerScene& scene) {
+    return std::make_unique<server::HandOver>(server::front_config(scene, false), scene,
+                                              "/no/page");
+  }
   static server::Owner& with(server::Owner& owner, server::DeviceUnit& unit) {
     owner.add(unit, {});
     return owner;
@@ -114,6 +123,7 @@ class Product {
   std::unique_ptr<server::DeviceUnit> unit_;
   server::Telemetry telemetry_;
   server::Owner owner_;
+  std::unique_ptr<server::HandOver> hand_over_;
   server::FrontServer front_;
   server::Loop loop_;
 };

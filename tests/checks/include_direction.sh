@@ -72,10 +72,13 @@ report "the owner of the devices knows no network" <<LINES
 $(for room in $owner; do includes "$room"; done | grep ' "haptic/wire/' |
   grep -vE '/(utf8|ports)\.hpp$')
 LINES
-# Until the front gets a configuration of its own instead of the scene.
-report "the front knows the owner by the crossing" <<LINES
-$(includes server/front | grep ' "server/owner/' |
-  grep -vE '^server/front/(app\.h|main\.c)pp:.*"server/owner/(scene/scene|state/.*_message)\.hpp$')
+forbid server/front -- "server/owner/" "the front knows the owner by the crossing"
+forbid server/base server/crossing server/front -- "hw/" "only the owner knows devices"
+values='contacts/proxy_snapshot|error|fault|rendering/renderer_kind|safety/(lifecycle|staleness)'
+values="$values|time|types"
+report "the front knows of core its value types" <<LINES
+$(for room in server/base server/crossing server/front; do includes "$room"; done |
+  grep -E ' [<"]haptic/core/' | grep -vE "/core/($values)\.hpp$")
 LINES
 forbid server/base server/crossing -- "server/(front|owner)/" \
   "what both processes know needs neither"

@@ -77,6 +77,9 @@ breach server/owner/loop/a.cpp '#include <google/protobuf/text_format.h>'
 breach server/owner/loop/a.cpp '#include "server/front/udp/udp_port.hpp"'
 breach server/owner/loop/a.cpp '#include "haptic/wire/aead.hpp"'
 breach server/front/grpc/a.cpp '#include "server/owner/rights/lease.hpp"'
+breach server/front/grpc/a.cpp '#include "server/owner/scene/scene.hpp"'
+breach server/front/grpc/a.cpp '#include "hw/device.hpp"'
+breach server/front/grpc/a.cpp '#include "haptic/core/tick/pipeline.hpp"'
 breach server/front/grpc/a.cpp '#include "haptic/client/client.hpp"'
 
 fresh_folder "$scratch"

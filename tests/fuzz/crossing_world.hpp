@@ -79,8 +79,8 @@ struct World {
   World() {
     begin();
     publisher = std::make_shared<Publisher>(*owner, [](const Answer&) {});
-    read_pages =
-        SharedMemory(Descriptor(dup(publisher->descriptor())), SharedMemory::Access::kRead);
+    read_pages = SharedMemory(Descriptor(dup(publisher->descriptor())), OwnersPages::bytes(1),
+                              SharedMemory::Access::kRead);
   }
 
   void begin() {

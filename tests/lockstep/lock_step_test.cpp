@@ -47,21 +47,24 @@ class Server {
 
   /// Serves at `address`, by UDP, and to whom shows the token in the file.
   void serve(const std::string& address, const std::string& token_file = {}) {
-    server::ServiceConfig config{.listen = {address}, .udp_listen = "127.0.0.1:0"};
-    config.clock = [this](core::Duration) { return now(); };
-    config.age_by_source_time = false;
-    config.web = server::WebConfig{.listen = {web_, "127.0.0.1:0"}};
+    server::ServerScene scene{.listen = {address}, .udp_listen = "127.0.0.1:0"};
+    scene.web = server::WebConfig{.listen = {web_, "127.0.0.1:0"}};
     if (!token_file.empty()) {
-      config.web->tokens = {{"test", token_file, {true, server::Priority::kPrimary}}};
+      scene.web->tokens = {{"test", token_file, {true, server::Priority::kPrimary}}};
     }
-    rpc_ =
-        std::make_unique<server::FrontServer>(config, owner_, [] { return server::ServerFacts{}; });
+    hand_over_ =
+        std::make_unique<server::HandOver>(server::front_config(scene, false), scene, "/no/page");
+    server::ServiceLimits limits{.age_by_source_time = false};
+    limits.clock = [this](core::Duration) { return now(); };
+    rpc_ = std::make_unique<server::FrontServer>(
+        hand_over_->start(), owner_,
+        server::FrontSources{[] { return server::ServerFacts{}; }, {}, {}}, limits);
     rpc_->start();
   }
-  [[nodiscard]] std::string address() const { return rpc_->bound_addresses().front(); }
+  [[nodiscard]] std::string address() const { return hand_over_->addresses().front(); }
   [[nodiscard]] const std::string& web_socket() const { return web_; }
   [[nodiscard]] std::string web_address() const {
-    return "http://" + rpc_->bound_addresses().at(2);
+    return "http://" + hand_over_->addresses().at(2);
   }
 
   core::TickRecord tick() {
@@ -100,6 +103,7 @@ class Server {
   server::Owner owner_;
   std::shared_ptr<HandFront> front_{};
   const std::string web_{"unix:/tmp/haptic-lockstep-web-" + std::to_string(getpid())};
+  std::unique_ptr<server::HandOver> hand_over_{};
   std::unique_ptr<server::FrontServer> rpc_{};
 };
 

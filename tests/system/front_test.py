@@ -140,8 +140,8 @@ class Fronts(unittest.TestCase):
         return daemon
 
     def hostile(self, mode: str) -> tuple[Hapticd, str]:
-        """With its control socket's name, which follows from what the front says it serves."""
-        name = f"hostile-{os.getpid()}"
+        """With its control socket's name, which follows from the address."""
+        name = f"{self.folder}/s".lstrip("/")
         daemon = Hapticd(self.folder, "--listen", f"unix:/{name}", HAPTICD_FRONT=HOSTILE,
                          HOSTILE=mode)
         self.addCleanup(daemon.process.wait)
@@ -311,6 +311,38 @@ class Fronts(unittest.TestCase):
         self.assertEqual(daemon.ctl("estop", address="local:offline"), (0, "stopped: finger\n"))
         self.assertEqual(daemon.ctl("restart-front", address="local:offline")[0], 4)
         self.assertEqual(daemon.stop(), 0, daemon.text())
+
+    def test_a_broken_token_keeps_the_old_front(self) -> None:
+        token = self.folder / "token"
+        token.write_text("0123456789abcdef\n", encoding="utf-8")
+        token.chmod(0o600)
+        web = f'server.web={{listen: "127.0.0.1:0" token {{name: "unity" file: "{token}"}}}}'
+        daemon = self.hapticd("--set", web)
+        address, front = daemon.address(), daemon.front()
+        token.write_text("short\n", encoding="utf-8")
+        for mode, why in ((0o600, "must hold 16 to 128"), (0o644, "chmod 600")):
+            token.chmod(mode)
+            status, words = daemon.ctl("restart-front", address=address)
+            self.assertEqual((status, "token 'unity'" in words, why in words), (4, True, True),
+                             words)
+            self.assertEqual(daemon.front(), front)
+        token.write_text("0123456789abcdef\n", encoding="utf-8")
+        token.chmod(0o600)
+        self.assertEqual(daemon.ctl("restart-front", address=address)[0], 0)
+        self.assertNotEqual(daemon.front(), front)
+        self.assertEqual(daemon.ctl("health", address=address)[0], 0)
+
+    def test_a_lost_front_leaves_its_port(self) -> None:
+        daemon = self.hapticd()
+        address = daemon.address()
+        host, port = address.rsplit(":", 1)
+        front = daemon.kill_front(signal.SIGKILL)
+        with socket.create_connection((host, int(port)), timeout=PATIENCE_S):
+            while daemon.front() in (0, front):
+                with socket.socket() as other:
+                    other.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                    self.assertRaises(OSError, other.bind, (host, int(port)))
+        until("served again", lambda: daemon.ctl("health", address=address)[0] == 0)
 
     def test_a_front_of_another_build_is_refused(self) -> None:
         program = self.folder / "front"

@@ -49,11 +49,10 @@ void refused(const char* what, bool got_in) {
   say((got_in ? "GOT IN: " : "refused: ") + std::string(what));
 }
 
-FrontMessage of(FrontMessage::Kind kind, const std::string& text = {}) {
+FrontMessage of(FrontMessage::Kind kind) {
   FrontMessage message;
   message.kind = kind;
   message.layout = layout_hash();
-  message.text = text;
   return message;
 }
 
@@ -173,12 +172,8 @@ void attack_pages(Link& link) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main() {
   const std::string mode = std::getenv("HOSTILE") != nullptr ? std::getenv("HOSTILE") : "";
-  std::string address = "local:hostile";
-  for (int i = 1; i + 1 < argc; ++i) {
-    if (std::strcmp(argv[i], "--listen") == 0) address = argv[i + 1];
-  }
   Link link;
   FrontMessage hello = of(FrontMessage::Kind::kHello);
   if (mode == "layout") ++hello.layout;
@@ -190,9 +185,9 @@ int main(int argc, char** argv) {
   static_cast<void>(link.hear());  // Go
   if (mode == "unbound") pause();
   link.descriptors = std::move(kept);
-  send(kLink, of(FrontMessage::Kind::kServing, address));
+  send(kLink, of(FrontMessage::Kind::kServing));
   if (mode == "confined") {
-    for (const std::string& missing : confine({})) say("missing: " + missing);
+    for (const std::string& missing : confine()) say("missing: " + missing);
     attack_processes();
     attack_files();
     attack_scheduling();

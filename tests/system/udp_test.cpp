@@ -17,7 +17,7 @@ using client::Lifecycle;
 using client::Proxy;
 using client::SessionOptions;
 
-server::ServiceConfig with_udp() {
+server::ServerScene with_udp() {
   return {.listen = {"127.0.0.1:0"}, .udp_listen = "127.0.0.1:0"};
 }
 

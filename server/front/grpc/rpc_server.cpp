@@ -14,7 +14,7 @@
 #include "haptic/core/error.hpp"
 #include "server/front/grpc/every.hpp"
 #include "server/front/grpc/haptic_service_impl.hpp"
-#include "server/front/net/tls_files.hpp"
+#include "server/front/net/protection.hpp"
 #include "server/front/session/refusals.hpp"
 
 namespace haptic::server {
@@ -37,14 +37,14 @@ int argument_ms(core::Duration time) {
   return static_cast<int>(std::chrono::duration_cast<milliseconds>(time).count());
 }
 
-void set_limits(grpc::ServerBuilder& builder, const ServiceConfig& config) {
+void set_limits(grpc::ServerBuilder& builder, const ServiceContext& context) {
   builder.SetMaxReceiveMessageSize(kLargestReceived);
   // gRPC inflates a message before it looks at its size.
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
   builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
-                             static_cast<int>(calls_of_connection(config.max_sessions)));
+                             static_cast<int>(calls_of_connection(context.config.max_sessions)));
   // A chunk is parsed whole before anything can end its connection, and may begin a stream with
   // every 20 bytes.
   builder.AddChannelArgument(GRPC_ARG_TCP_READ_CHUNK_SIZE, kReadChunk);
@@ -61,7 +61,7 @@ void set_limits(grpc::ServerBuilder& builder, const ServiceConfig& config) {
   builder.SetSyncServerOption(Sync::NUM_CQS, 1);
   builder.SetSyncServerOption(Sync::MIN_POLLERS, 1);
   builder.SetSyncServerOption(Sync::MAX_POLLERS, 1);
-  const KeepAlive& alive = config.keep_alive;
+  const KeepAlive& alive = context.limits.keep_alive;
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, argument_ms(alive.ask_after));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, argument_ms(alive.answer_within));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
@@ -81,9 +81,7 @@ void take_library_logs() {
   });
 }
 
-/// Reads the files. Throws TransportError.
-std::shared_ptr<grpc::ServerCredentials> tls_credentials(const TlsConfig& config) {
-  TlsFiles files = load_tls(config);
+std::shared_ptr<grpc::ServerCredentials> tls_credentials(TlsFiles files) {
   grpc::SslServerCredentialsOptions options(
       files.client_ca.empty() ? GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE
                               : GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
@@ -104,44 +102,47 @@ void report_health(grpc::HealthCheckServiceInterface& health, const ServiceConte
 
 /// The parts that need gRPC's headers.
 struct RpcServer::Grpc {
-  explicit Grpc(ServiceContext& shared) : context(shared) {}
+  Grpc(ServiceContext& shared, std::optional<TlsFiles> read)
+      : context(shared), tls(std::move(read)) {}
 
   ServiceContext& context;
+  std::optional<TlsFiles> tls;
   HapticServiceImpl service{context};
   std::vector<std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>> acceptors{};
   std::unique_ptr<grpc::Server> server{};
   std::unique_ptr<Every> looks{};
 };
 
-RpcServer::RpcServer(ServiceContext& context) : grpc_(std::make_unique<Grpc>(context)) {}
+RpcServer::RpcServer(ServiceContext& context, std::optional<TlsFiles> tls)
+    : grpc_(std::make_unique<Grpc>(context, std::move(tls))) {}
 
 RpcServer::~RpcServer() {
   stop(std::chrono::seconds(1));
 }
 
-void RpcServer::start(const std::vector<Protection>& protections) {
+void RpcServer::start() {
   take_library_logs();
   ServiceContext& context = grpc_->context;
-  const ServiceConfig& config = context.config;
-  const auto tls = config.tls ? tls_credentials(*config.tls) : nullptr;
+  const auto tls = grpc_->tls ? tls_credentials(std::move(*grpc_->tls)) : nullptr;
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  set_limits(builder, config);
-  for (const Protection protection : protections) {
+  set_limits(builder, context);
+  for (const FrontConfig::Address& address : context.config.addresses) {
+    if (address.use != FrontConfig::Use::kGrpc) break;
     grpc_->acceptors.push_back(builder.experimental().AddExternalConnectionAcceptor(
         grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
-        encrypts(protection) ? tls : grpc::InsecureServerCredentials()));
+        encrypts(address.protection) ? tls : grpc::InsecureServerCredentials()));
   }
   builder.RegisterService(&grpc_->service);
   grpc_->server = builder.BuildAndStart();
   if (!grpc_->server) throw core::TransportError("the gRPC server did not start");
   const auto look = [&context, &health = *grpc_->server->GetHealthCheckService()] {
     report_health(health, context);
-    context.end_overdue(context.config.clock({}));
+    context.end_overdue(context.limits.clock({}));
   };
   look();
-  const auto a_fifth = std::chrono::duration_cast<milliseconds>(config.open_within / 5);
+  const auto a_fifth = std::chrono::duration_cast<milliseconds>(context.limits.open_within / 5);
   grpc_->looks = std::make_unique<Every>(std::min(kHealthPeriod, a_fifth), look);
 }
 

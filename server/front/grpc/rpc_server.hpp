@@ -3,25 +3,25 @@
 /// header.
 
 #include <memory>
-#include <vector>
+#include <optional>
 
-#include "server/front/net/listen_address.hpp"
+#include "server/front/net/tls_files.hpp"
 #include "server/front/service/service_context.hpp"
 
 namespace haptic::server {
 
 class RpcServer {
  public:
-  /// `context` must outlive the server.
-  explicit RpcServer(ServiceContext& context);
+  /// `context` must outlive the server. `tls`: absent if no address is encrypted.
+  RpcServer(ServiceContext& context, std::optional<TlsFiles> tls);
   /// shutdown() with 1 s.
   ~RpcServer();
   RpcServer(const RpcServer&) = delete;
   RpcServer& operator=(const RpcServer&) = delete;
 
-  /// Serves connections at addresses with these protections. Throws TransportError naming the file
-  /// of TLS that is wrong.
-  void start(const std::vector<Protection>& protections);
+  /// Serves connections at the addresses of gRPC, which are the first. Throws
+  /// core::TransportError.
+  void start();
   /// A connection by address number `address`; takes the descriptor.
   void take(std::size_t address, int descriptor);
   /// Refuses new calls, and waits for those under way for at most `grace`. Idempotent.

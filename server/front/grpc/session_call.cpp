@@ -14,7 +14,7 @@ SessionCall* SessionCall::begin(ServiceContext& context, Peer peer) {
 }
 
 void SessionCall::OnReadDone(bool ok) {
-  const core::TimePoint arrival = context_.config.clock({});
+  const core::TimePoint arrival = context_.limits.clock({});
   // Half-closed, or cancelled: then the status goes nowhere.
   if (!ok) return lost();
   const std::size_t size = incoming_.Length();

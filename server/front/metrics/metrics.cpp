@@ -7,6 +7,7 @@
 #include <fstream>
 #include <vector>
 
+#include "haptic/schema/fields.hpp"
 #include "haptic/v1/haptic_service.pb.h"
 #include "server/front/metrics/exposition.hpp"
 #include "server/front/session/link_watch.hpp"
@@ -85,7 +86,8 @@ void proxies(Exposition& page, const std::vector<Reading>& devices) {
   page.counter("haptic_staleness_seconds_total", "Time spent at each staleness level of a lease.");
   for (const Reading& d : devices) {
     for (std::size_t i = 0; i < d.ticks.level_s.size(); ++i) {
-      const std::string level = lower(core::name(static_cast<core::Staleness>(i + 1)));
+      const std::string level =
+          lower(schema::value_text(*v1::StalenessLevel_descriptor(), static_cast<int>(i) + 1));
       page.sample({{"device", d.name}, {"level", level}}, d.ticks.level_s[i]);
     }
   }
@@ -129,13 +131,13 @@ void connections(Exposition& page, const std::pair<std::size_t, std::uint64_t>& 
 
 /// Limiters and faults: every one that has a name, also at 0, so that a rate can be asked for
 /// before the first.
-template <typename E>
-void named(Exposition& page, const char* label, const Reading& d,
+void named(Exposition& page, const char* label, const Reading& d, int field,
            const std::array<std::uint64_t, 32>& counts) {
+  const auto& bits = *v1::DeviceState::descriptor()->FindFieldByNumber(field);
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    const std::string name = lower(core::reason(static_cast<E>(i)));
-    if (name == "unknown") continue;
-    page.sample({{"device", d.name}, {label, name}}, count(counts[i]));
+    const std::string name = schema::bit_names(bits, std::uint32_t{1} << i).front();
+    if (std::isdigit(static_cast<unsigned char>(name.front())) != 0) continue;
+    page.sample({{"device", d.name}, {label, lower(name)}}, count(counts[i]));
   }
 }
 
@@ -143,9 +145,9 @@ void force(Exposition& page, const std::vector<Reading>& devices) {
   page.gauge("haptic_device_state", "1 for the state the device is in, 0 for the others.");
   for (const Reading& d : devices) {
     for (int s = 1; s <= static_cast<int>(core::LifecycleState::kClosing); ++s) {
-      const auto state = static_cast<core::LifecycleState>(s);
-      page.sample({{"device", d.name}, {"state", lower(core::name(state))}},
-                  d.ticks.state == state ? 1.0 : 0.0);
+      const std::string state = lower(schema::value_text(*v1::DeviceStateName_descriptor(), s));
+      page.sample({{"device", d.name}, {"state", state}},
+                  static_cast<int>(d.ticks.state) == s ? 1.0 : 0.0);
     }
   }
   page.gauge("haptic_gain_ratio", "Gain of the elastic force, 0 to 1.");
@@ -159,9 +161,13 @@ void force(Exposition& page, const std::vector<Reading>& devices) {
     }
   }
   page.counter("haptic_limited_ticks_total", "Ticks in which a limiter held something back.");
-  for (const Reading& d : devices) named<core::Limiter>(page, "limiter", d, d.ticks.limited);
+  for (const Reading& d : devices) {
+    named(page, "limiter", d, v1::DeviceState::kLimitersFieldNumber, d.ticks.limited);
+  };
   page.counter("haptic_faults_total", "Times a fault latched.");
-  for (const Reading& d : devices) named<core::Fault>(page, "fault", d, d.ticks.faults);
+  for (const Reading& d : devices) {
+    named(page, "fault", d, v1::DeviceState::kFaultsFieldNumber, d.ticks.faults);
+  };
   page.counter("haptic_force_lost_total", "Times force was given up for a proxy that was too old.");
   for (const Reading& d : devices) page.sample({{"device", d.name}}, count(d.ticks.lost));
 }
@@ -216,8 +222,8 @@ std::string metrics_text(const MetricsSources& sources) {
   if (!devices.empty()) loop(page, facts, devices.front().ticks);
   people(page, devices);
   proxies(page, devices);
-  carriers(page, devices, sources.dropped_datagrams());
-  if (sources.connections) connections(page, sources.connections());
+  carriers(page, devices, sources.dropped_datagrams);
+  connections(page, sources.connections);
   force(page, devices);
   links(page, devices);
   return page.text();

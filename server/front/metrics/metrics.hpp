@@ -13,16 +13,15 @@
 
 namespace haptic::server {
 
-/// The sources of the numbers, which must outlive every scrape. All are read on the thread of the
-/// scrape, and none waits for the loop.
+/// The sources of the numbers of one scrape. None waits for the loop.
 struct MetricsSources {
   const OwnerPort* owner{nullptr};
   std::function<TickTotals(std::size_t device)> totals{};
   FactsProvider facts{};
   /// Dropped datagrams by reason; empty if there is no UDP path.
-  std::function<std::vector<std::pair<std::string, std::uint64_t>>()> dropped_datagrams{};
+  std::vector<std::pair<std::string, std::uint64_t>> dropped_datagrams{};
   /// Open; cut since the start.
-  std::function<std::pair<std::size_t, std::uint64_t>()> connections{};
+  std::pair<std::size_t, std::uint64_t> connections{};
 };
 
 [[nodiscard]] std::string metrics_text(const MetricsSources& sources);

@@ -63,10 +63,9 @@ void drain(const Descriptor& socket) {
 
 }  // namespace
 
-Connections::Connections(const std::vector<std::string>& addresses, const ConnectionLimits& limits)
+Connections::Connections(std::vector<Listener> listeners, const ConnectionLimits& limits)
     : limits_(limits),
-      listeners_(std::make_unique<Listeners>(addresses)),
-      ports_(listeners_->ports()),
+      listeners_(std::move(listeners)),
       spare_(open_spare()),
       wakes_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
       statm_(::open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}
@@ -115,13 +114,11 @@ void Connections::run() noexcept {
   while (!stopping_.load()) {
     wait.assign(1, {wakes_.get(), POLLIN, 0});
     const bool closing = cut_at_.load() != 0;
-    if (closing) listeners_.reset();
+    if (closing) listeners_.clear();
     const core::TimePoint before = steady_now();
     const bool accepts = before >= accepts_at_ && !(full_ && before < shut_until_);
-    if (listeners_ && accepts) {
-      for (const auto& each : listeners_->sockets()) {
-        wait.push_back({each.descriptor.get(), POLLIN, 0});
-      }
+    if (accepts) {
+      for (const Listener& each : listeners_) wait.push_back({each.socket.get(), POLLIN, 0});
     }
     const bool look = closing || !accepts || !open_.empty();
     const auto every = hurry_ ? kHurry : kLookEvery;
@@ -129,7 +126,7 @@ void Connections::run() noexcept {
     eventfd_t woken = 0;
     static_cast<void>(eventfd_read(wakes_.get(), &woken));
     for (std::size_t i = 1; i < wait.size(); ++i) {
-      if (wait[i].revents != 0) accept_all(listeners_->sockets()[i - 1]);
+      if (wait[i].revents != 0) accept_all(listeners_[i - 1]);
     }
     forget_closed();
     const core::TimePoint now = steady_now();
@@ -141,15 +138,15 @@ void Connections::run() noexcept {
   for (const auto& each : open_) shutdown(each->socket.get(), SHUT_RDWR);
 }
 
-void Connections::accept_all(const Listeners::Socket& listener) {
+void Connections::accept_all(const Listener& listener) {
   for (unsigned i = 0; i < limits_.all; ++i) {
     Descriptor socket(
-        accept4(listener.descriptor.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+        accept4(listener.socket.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
     if (!socket && (errno == EMFILE || errno == ENFILE)) {
       // Accepted with the spare descriptor and closed at once: a full queue would keep all out.
       spare_ = Descriptor();
       const bool one = static_cast<bool>(
-          Descriptor(accept4(listener.descriptor.get(), nullptr, nullptr, SOCK_CLOEXEC)));
+          Descriptor(accept4(listener.socket.get(), nullptr, nullptr, SOCK_CLOEXEC)));
       spare_ = open_spare();
       make_room(largest_peer());
       if (!one) return;

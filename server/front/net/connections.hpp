@@ -34,7 +34,6 @@
 #include "haptic/core/time.hpp"
 #include "server/base/descriptor.hpp"
 #include "server/front/net/account.hpp"
-#include "server/front/net/listeners.hpp"
 
 namespace haptic::server {
 
@@ -67,15 +66,17 @@ class Connections {
   using HandOver =
       std::function<void(std::size_t address, int descriptor, std::shared_ptr<Account> account)>;
 
-  /// Binds and listens, as Listeners.
-  Connections(const std::vector<std::string>& addresses, const ConnectionLimits& limits);
+  struct Listener {
+    Descriptor socket{};
+    std::size_t address{0};  ///< index of the address; a name may stand for several sockets
+  };
+  /// `listeners`: bound and listening, non-blocking.
+  Connections(std::vector<Listener> listeners, const ConnectionLimits& limits);
   /// Cuts what is open.
   ~Connections();
   Connections(const Connections&) = delete;
   Connections& operator=(const Connections&) = delete;
 
-  /// The port of each address as bound; 0: a UNIX socket.
-  [[nodiscard]] const std::vector<int>& ports() const noexcept { return ports_; }
   /// Accepts, on a thread of its own.
   void start(HandOver hand_over);
   /// Accepts no more; what is still open after `grace` is cut. Returns at once.
@@ -93,7 +94,7 @@ class Connections {
  private:
   struct Connection;
   void run() noexcept;
-  void accept_all(const Listeners::Socket& listener);
+  void accept_all(const Listener& listener);
   void admit(std::size_t address, Descriptor socket);
   /// Cuts the connection that gives way first among those of `peer`.
   void make_room(const std::string& peer);
@@ -109,8 +110,7 @@ class Connections {
 
   const ConnectionLimits limits_;
   HandOver hand_over_{};
-  std::unique_ptr<Listeners> listeners_;
-  const std::vector<int> ports_;
+  std::vector<Listener> listeners_;  ///< none from close() on
   Descriptor
       spare_;  ///< given up for a moment when descriptors run out, to accept one and close it
   const Descriptor wakes_;

@@ -1,8 +1,10 @@
 #pragma once
 /// The contents of the files that a scene names for TLS.
 
+#include <span>
 #include <string>
 
+#include "server/base/descriptor.hpp"
 #include "server/crossing/tls_config.hpp"
 
 namespace haptic::server {
@@ -11,11 +13,12 @@ namespace haptic::server {
 struct TlsFiles {
   std::string certificate{};
   std::string key{};
-  std::string client_ca{};
+  std::string client_ca{};  ///< empty: clients need no certificate
 };
 
-/// Reads and checks the files: readable, PEM, in date, and the key that of the certificate. Throws
-/// TransportError with the field, the file and what is wrong, never with what a file holds.
-[[nodiscard]] TlsFiles load_tls(const TlsConfig& config);
+/// Reads and checks the files, which FrontStart has in this order: PEM, in date, and the key that
+/// of the certificate. Throws core::TransportError with the field, the file and what is wrong, but
+/// never with what a file holds.
+[[nodiscard]] TlsFiles read_tls(const TlsConfig& config, std::span<const Descriptor> opened);
 
 }  // namespace haptic::server

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/front/net/protection.hpp"
 #include "server/front/session/messages.hpp"
 #include "server/front/session/refusals.hpp"
 #include "server/front/udp/session_path.hpp"
@@ -88,7 +89,7 @@ void Calls::ask(const Request& request, const ReplyPtr& reply,
 void Calls::get_server_info(const v1::GetServerInfoRequest& /*request*/,
                             v1::GetServerInfoResponse& response, const ReplyPtr& reply) {
   response = to_proto(context_.server_facts());
-  for (std::string& sentence : context_.weaknesses()) {
+  for (std::string& sentence : weaknesses(context_.config)) {
     response.add_insecure(std::move(sentence));
   }
   response.set_max_sessions(context_.config.max_sessions);

@@ -4,11 +4,11 @@
 
 namespace haptic::server {
 
-bool may_have_keys(const Peer& peer, const ServiceConfig& config) noexcept {
+bool may_have_keys(const Peer& peer, const FrontConfig& config) noexcept {
   return peer.encrypted || peer.this_host || config.insecure_lab;
 }
 
-Rights rights_of(const Peer& peer, const ServiceConfig& config) {
+Rights rights_of(const Peer& peer, const FrontConfig& config) {
   if (peer.token) return *peer.token;
   if (peer.names.empty()) {
     return {peer.encrypted ? Priority::kPrimary : Priority::kOperator,

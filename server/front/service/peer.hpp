@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "server/crossing/front_config.hpp"
 #include "server/front/net/account.hpp"
-#include "server/front/service/service_config.hpp"
 #include "server/front/session/session.hpp"
 
 namespace haptic::server {
@@ -25,12 +25,12 @@ struct Peer {
 
 /// Keys travel only over TLS, a UNIX socket or loopback (proto/README.md#the-udp-path), unless
 /// `config` has insecure_lab.
-[[nodiscard]] bool may_have_keys(const Peer& peer, const ServiceConfig& config) noexcept;
+[[nodiscard]] bool may_have_keys(const Peer& peer, const FrontConfig& config) noexcept;
 
 /// The highest priority it may ask for: what its token or its certificate's names are entitled to.
 /// Over TLS without either that is kPrimary: it may be any client on the network, and without a
 /// name no client takes a device from another (proto/README.md#a-session). In plain text any: then
 /// it is a user of this host, or of a lab without protection.
-[[nodiscard]] Rights rights_of(const Peer& peer, const ServiceConfig& config);
+[[nodiscard]] Rights rights_of(const Peer& peer, const FrontConfig& config);
 
 }  // namespace haptic::server

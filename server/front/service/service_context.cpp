@@ -99,16 +99,17 @@ std::size_t WaitingRoom::waiting() const {
   return guests_.size();
 }
 
-ServiceContext::ServiceContext(ServiceConfig service_config, OwnerPort& owner,
-                               FactsProvider facts_provider)
+ServiceContext::ServiceContext(FrontConfig front_config, OwnerPort& owner,
+                               FactsProvider facts_provider, ServiceLimits service_limits)
     : Front(owner),
-      config(std::move(service_config)),
+      config(std::move(front_config)),
+      limits(std::move(service_limits)),
       server_facts(std::move(facts_provider)),
-      waiting(unopened_streams(config.max_sessions), config.open_within),
+      waiting(unopened_streams(config.max_sessions), limits.open_within),
       former(std::max(1U, config.max_sessions / 2)) {
   // A share for each device, so that the watchers of one cannot silence those of another.
   const auto n = std::max<std::size_t>(owner.devices().size(), 1);
-  const WatchBudget share(config.watch_budget_hz / static_cast<double>(n));
+  const WatchBudget share(limits.watch_budget_hz / static_cast<double>(n));
   for (std::size_t i = 0; i < owner.devices().size(); ++i) {
     broadcasters.push_back(std::make_unique<Broadcaster>(share));
   }
@@ -116,7 +117,7 @@ ServiceContext::ServiceContext(ServiceConfig service_config, OwnerPort& owner,
 
 std::shared_ptr<Account> ServiceContext::account_of(const std::string& peer) {
   auto account = connections->account(peer);
-  if (account->calls() >= config.connections.calls) connections->look_now();
+  if (account->calls() >= limits.connections.calls) connections->look_now();
   return account;
 }
 
@@ -152,16 +153,6 @@ void ServiceContext::end_overdue(core::TimePoint now) {
          "OpenSession did not come within " + std::to_string(milliseconds.count()) + " ms",
          "message"});
   }
-}
-
-void ServiceContext::add_weakness(std::string sentence) {
-  const std::lock_guard lock(mutex_);
-  weaknesses_.push_back(std::move(sentence));
-}
-
-std::vector<std::string> ServiceContext::weaknesses() const {
-  const std::lock_guard lock(mutex_);
-  return weaknesses_;
 }
 
 }  // namespace haptic::server

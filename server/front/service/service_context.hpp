@@ -11,9 +11,10 @@
 #include <vector>
 
 #include "haptic/v1/haptic_service.pb.h"
+#include "server/crossing/front_config.hpp"
 #include "server/crossing/server_facts.hpp"
 #include "server/front/service/broadcaster.hpp"
-#include "server/front/service/service_config.hpp"
+#include "server/front/service/service_limits.hpp"
 #include "server/front/session/front.hpp"
 #include "server/front/session/session.hpp"
 #include "server/front/udp/udp_port.hpp"
@@ -103,7 +104,8 @@ class OpenStream {
 
 class ServiceContext final : public Front {
  public:
-  ServiceContext(ServiceConfig service_config, OwnerPort& owner, FactsProvider facts_provider);
+  ServiceContext(FrontConfig front_config, OwnerPort& owner, FactsProvider facts_provider,
+                 ServiceLimits service_limits = {});
 
   void on_newest(std::size_t device, const SerialisedState& state) override {
     broadcasters[device]->on_newest(state);
@@ -113,7 +115,7 @@ class ServiceContext final : public Front {
   [[nodiscard]] std::shared_ptr<Account> account_of(const std::string& peer);
   [[nodiscard]] double loop_hz() const { return 1.0 / core::seconds(config.period); }
   [[nodiscard]] SessionSettings session_settings(Carrier stream) const {
-    return {loop_hz(), config.clock, config.age_by_source_time, stream};
+    return {loop_hz(), limits.clock, limits.age_by_source_time, stream};
   }
   /// Session streams that are open.
   [[nodiscard]] unsigned sessions() const;
@@ -121,16 +123,13 @@ class ServiceContext final : public Front {
   /// Ends the streams that waited too long for their first message. Any thread.
   void end_overdue(core::TimePoint now);
 
-  /// Adds a weakness, a sentence each. Calls may come before the last is known. Any thread.
-  void add_weakness(std::string sentence);
-  [[nodiscard]] std::vector<std::string> weaknesses() const;
-
   /// True if a device is served: open, and its loop on time (proto/README.md, "Conventions").
   [[nodiscard]] bool serving(std::size_t device) const;
   /// All of them.
   [[nodiscard]] bool serving() const;
 
-  const ServiceConfig config;
+  const FrontConfig config;
+  const ServiceLimits limits;
   const FactsProvider server_facts;
   OpenStreams streams;
   WaitingRoom waiting;  ///< session streams whose first message has not come
@@ -140,10 +139,6 @@ class ServiceContext final : public Front {
   std::unique_ptr<Connections> connections;                ///< null before start()
   std::unique_ptr<UdpPort> udp;                            ///< null if the scene has no udp_listen
   std::vector<std::unique_ptr<Broadcaster>> broadcasters;  ///< per device
-
- private:
-  mutable std::mutex mutex_;
-  std::vector<std::string> weaknesses_;
 };
 
 }  // namespace haptic::server

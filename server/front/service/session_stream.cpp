@@ -16,7 +16,7 @@ Refusal protocol_error(const std::string& message) {
 
 void SessionStream::begin() {
   const auto self = std::static_pointer_cast<SessionStream>(shared_from_this());
-  if (const auto longest = context_.waiting.enter(self, context_.config.clock({}))) {
+  if (const auto longest = context_.waiting.enter(self, context_.limits.clock({}))) {
     const std::string places = std::to_string(context_.waiting.places());
     longest->end_with({Refusal::Code::kExhausted,
                        "TOO_MANY_SESSIONS",
@@ -173,7 +173,7 @@ void SessionStream::lease_over() {
   {
     const std::lock_guard lock(mutex_);
     if (ended_) return;  // it may be done(), and would not leave any more
-    oldest = context_.former.enter(self, context_.config.clock({}));
+    oldest = context_.former.enter(self, context_.limits.clock({}));
   }
   if (!oldest) return;
   oldest->end_with({Refusal::Code::kExhausted,
@@ -203,7 +203,7 @@ void SessionStream::report(const std::string& device, v1::GetLinkStatsResponse& 
   if (ended_ || !opened_) return;
   if (!device.empty() && device != context_.facts(session_->device()).name) return;
   v1::SessionLink& message = *response.add_sessions();
-  const core::TimePoint now = context_.config.clock({});
+  const core::TimePoint now = context_.limits.clock({});
   session_->report(message, udp_ ? udp_->clock(now) : std::nullopt);
   if (udp_) udp_->report(*message.add_transports());
 }

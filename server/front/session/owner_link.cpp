@@ -9,10 +9,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <ctime>
-#include <sstream>
+#include <iterator>
 #include <utility>
 
 #include "haptic/core/error.hpp"
+#include "haptic/v1/haptic_service.pb.h"
 #include "server/base/thread_setup.hpp"
 
 namespace haptic::server {
@@ -23,15 +24,24 @@ constexpr timespec kBeat{0, 250'000'000};
 /// The owner takes messages within a millisecond: it has ended if it does not take one for so long.
 constexpr int kPatienceMs = 5'000;
 
-std::string text_of(Descriptor& memory, std::size_t bytes) {
-  const std::size_t mapped = std::max<std::size_t>(bytes, 1);
-  const SharedMemory text(std::move(memory), mapped, SharedMemory::Access::kRead);
-  return {static_cast<const char*>(text.data()), bytes};
+FrontConfig read_config(Descriptor& memory, std::uint64_t bytes) {
+  if (bytes > kLargestConfig) {
+    throw core::TransportError("front configuration: has " + std::to_string(bytes) +
+                               " bytes: must have at most " + std::to_string(kLargestConfig));
+  }
+  const SharedMemory mapped(std::move(memory), bytes, SharedMemory::Access::kRead);
+  return front_config({static_cast<const char*>(mapped.data()), bytes});
+}
+
+/// The descriptors from `begin` on.
+std::vector<Descriptor> part(std::vector<Descriptor>& all, std::size_t begin, std::size_t count) {
+  const auto first = std::make_move_iterator(all.begin() + static_cast<std::ptrdiff_t>(begin));
+  return {first, first + static_cast<std::ptrdiff_t>(count)};
 }
 
 }  // namespace
 
-OwnerLink::OwnerLink(Descriptor link) : link_(std::move(link)) {
+FrontStart OwnerLink::hello() {
   FrontMessage hello;
   hello.layout = layout_hash();
   say(hello);
@@ -40,20 +50,50 @@ OwnerLink::OwnerLink(Descriptor link) : link_(std::move(link)) {
   OwnerMessage welcome;
   std::vector<Descriptor> descriptors;
   if (receive(link_.get(), welcome, &descriptors) != Received::kMessage ||
-      welcome.kind != OwnerMessage::Kind::kWelcome ||
-      descriptors.size() != OwnerMessage::kDescriptors) {
+      welcome.kind != OwnerMessage::Kind::kWelcome) {
     throw core::TransportError("the owner does not want this front");
   }
+  if (descriptors.size() < OwnerMessage::kDescriptors) {
+    throw core::TransportError("the owner's welcome: has " + std::to_string(descriptors.size()) +
+                               " descriptors: must have at least " +
+                               std::to_string(OwnerMessage::kDescriptors));
+  }
   generation_ = welcome.generation;
-  scene_ = text_of(descriptors[OwnerMessage::kScene], welcome.scene_bytes);
-  descriptions_ = text_of(descriptors[OwnerMessage::kDevices], welcome.device_bytes);
+  FrontStart start;
+  start.config = read_config(descriptors[OwnerMessage::kConfig], welcome.config_bytes);
+  const std::size_t sockets = sockets_of(start.config), files = files_of(start.config);
+  const std::size_t all = OwnerMessage::kDescriptors + sockets + files;
+  if (descriptors.size() != all) {
+    throw core::TransportError("the owner's welcome: has " + std::to_string(descriptors.size()) +
+                               " descriptors: must have " + std::to_string(all) +
+                               " for its configuration");
+  }
+  start.sockets = part(descriptors, OwnerMessage::kDescriptors, sockets);
+  start.files = part(descriptors, OwnerMessage::kDescriptors + sockets, files);
+  take_pages(descriptors, start.config);
+  return start;
+}
+
+void OwnerLink::take_pages(std::vector<Descriptor>& descriptors, const FrontConfig& config) {
+  for (const FrontConfig::Device& device : config.devices) {
+    auto description = std::make_shared<v1::Device>();
+    if (!description->ParseFromString(device.description)) {
+      throw core::TransportError("front configuration: devices[" + std::to_string(devices_.size()) +
+                                 "].description: is no v1::Device");
+    }
+    devices_.push_back({.name = device.name,
+                        .description = std::move(description),
+                        .staleness = device.staleness,
+                        .lease_timeout = device.lease_timeout,
+                        .largest_state = device.largest_state});
+  }
+  seen_.resize(devices_.size());
   own_ = SharedMemory(std::move(descriptors[OwnerMessage::kFrontsPages]), sizeof(FrontsPages),
                       SharedMemory::Access::kReadAndWrite);
   own_pages_ = static_cast<FrontsPages*>(own_.data());
   wakes_owner_ = std::move(descriptors[OwnerMessage::kWakesOwner]);
-  // Its size follows from the number of devices.
-  owners_ =
-      SharedMemory(std::move(descriptors[OwnerMessage::kOwnersPages]), SharedMemory::Access::kRead);
+  owners_ = SharedMemory(std::move(descriptors[OwnerMessage::kOwnersPages]),
+                         OwnersPages::bytes(devices_.size()), SharedMemory::Access::kRead);
   pages_ = static_cast<const OwnersPages*>(owners_.data());
 }
 
@@ -61,25 +101,10 @@ OwnerLink::~OwnerLink() {
   stop();
 }
 
-void OwnerLink::set_devices(std::vector<DeviceFacts> devices) {
-  if (owners_.bytes() != OwnersPages::bytes(devices.size())) {
-    throw core::TransportError("the owner has another number of devices than the scene");
-  }
-  devices_ = std::move(devices);
-  seen_.resize(devices_.size());
-}
-
 void OwnerLink::ready() {
   FrontMessage message;
   message.kind = FrontMessage::Kind::kReady;
   say(message);
-}
-
-bool OwnerLink::wait_for_go(std::vector<std::string>& addresses) {
-  const OwnerMessage message = hear();
-  std::istringstream words(message.addresses.str());
-  for (std::string word; words >> word;) addresses.push_back(word);
-  return message.kind == OwnerMessage::Kind::kGo;
 }
 
 void OwnerLink::begin() {
@@ -116,12 +141,9 @@ OwnerMessage OwnerLink::hear() {
   }
 }
 
-void OwnerLink::serving(const std::vector<std::string>& addresses) {
-  std::string text;
-  for (const std::string& address : addresses) text += (text.empty() ? "" : " ") + address;
+void OwnerLink::serving() {
   FrontMessage message;
   message.kind = FrontMessage::Kind::kServing;
-  message.text = text;
   say(message);
 }
 

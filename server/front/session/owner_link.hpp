@@ -10,6 +10,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "server/crossing/front_config.hpp"
 #include "server/crossing/link_messages.hpp"
 #include "server/crossing/packet_socket.hpp"
 #include "server/crossing/ports.hpp"
@@ -19,23 +20,19 @@ namespace haptic::server {
 
 class OwnerLink final : public OwnerPort {
  public:
-  /// Says hello on `link` and waits for the welcome. Throws core::TransportError.
-  explicit OwnerLink(Descriptor link);
+  explicit OwnerLink(Descriptor link) : link_(std::move(link)) {}
   ~OwnerLink() override;
 
-  /// The scene's text, and v1::ListDevicesResponse as bytes.
-  [[nodiscard]] const std::string& scene() const noexcept { return scene_; }
-  [[nodiscard]] const std::string& device_descriptions() const noexcept { return descriptions_; }
-  /// The devices, in the order of the scene; what they point to must outlive this. Before begin().
-  void set_devices(std::vector<DeviceFacts> devices);
+  /// Once, before all else: says hello and waits for the welcome. Throws core::TransportError if
+  /// there is none, or if it does not hold together.
+  [[nodiscard]] FrontStart hello();
 
   void ready();
-  /// Until the owner says Go; false: it said Leave, or is gone. `addresses`: to be served, if a
-  /// front before this one did.
-  [[nodiscard]] bool wait_for_go(std::vector<std::string>& addresses);
+  /// Until the owner says Go; false: it said Leave, or is gone.
+  [[nodiscard]] bool wait_for_go() { return hear().kind == OwnerMessage::Kind::kGo; }
   /// Answers, verdicts, events and states are passed on from now on, on a thread of its own.
   void begin();
-  void serving(const std::vector<std::string>& addresses);
+  void serving();
   void cannot_serve(const std::string& why);
   /// Returns when the owner says Leave, or is gone. From then on the owner itself knows that every
   /// stream ends: it is not told of each.
@@ -61,6 +58,7 @@ class OwnerLink final : public OwnerPort {
  private:
   /// False: the owner does not take it.
   bool say(const FrontMessage& message);
+  void take_pages(std::vector<Descriptor>& descriptors, const FrontConfig& config);
   /// The owner's next message; kLeave if it is gone.
   [[nodiscard]] OwnerMessage hear();
   [[nodiscard]] bool may_open(const Request& request);
@@ -71,7 +69,6 @@ class OwnerLink final : public OwnerPort {
 
   Descriptor link_;
   Descriptor wakes_owner_{};
-  std::string scene_{}, descriptions_{};
   std::uint32_t generation_{0};
   SharedMemory owners_{}, own_{};
   const OwnersPages* pages_{nullptr};

@@ -101,7 +101,7 @@ void Session::admitted(const v1::OpenSession& request, const Rights& rights, con
   if (closed) return tell_owner_of_end(id, lost);
   if (request.role() == v1::ROLE_OBSERVER) {
     Lease none;
-    none.staleness = front_.facts(device_).config->scene.staleness;
+    none.staleness = front_.facts(device_).staleness;
     return granted(rights, {}, none, opened);
   }
   Request wish;

@@ -35,7 +35,7 @@ struct Rights {
 struct SessionSettings {
   double loop_hz{1000.0};
   ArrivalClock clock{steady_arrival};
-  bool age_by_source_time{true};  ///< ServiceConfig
+  bool age_by_source_time{true};  ///< ServiceLimits
   Carrier stream{Carrier::kGrpc};
 };
 

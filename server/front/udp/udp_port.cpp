@@ -53,10 +53,9 @@ bool wants_rekey(ServerPath& path, core::TimePoint now) {
 }  // namespace
 
 struct UdpPort::Impl {
-  Impl(const std::string& listen, const std::vector<std::string>& streams,
-       ArrivalClock arrival_clock)
+  Impl(Descriptor bound, const std::vector<std::string>& streams, ArrivalClock arrival_clock)
       : clock(std::move(arrival_clock)),
-        socket(context, listen),
+        socket(context, std::move(bound)),
         timer(context),
         host(host_told(socket.bound().address(), streams)) {}
   void rekey(const std::shared_ptr<ServerPath>& path) {
@@ -170,9 +169,8 @@ struct UdpPort::Impl {
   std::thread thread{};
 };
 
-UdpPort::UdpPort(const std::string& listen, const std::vector<std::string>& streams,
-                 ArrivalClock clock)
-    : impl_(std::make_unique<Impl>(listen, streams, std::move(clock))) {}
+UdpPort::UdpPort(Descriptor bound, const std::vector<std::string>& streams, ArrivalClock clock)
+    : impl_(std::make_unique<Impl>(std::move(bound), streams, std::move(clock))) {}
 
 UdpPort::~UdpPort() {
   stop();

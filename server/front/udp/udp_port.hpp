@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "server/base/descriptor.hpp"
 #include "server/base/steady_now.hpp"
 #include "server/front/udp/server_path.hpp"
 
@@ -19,9 +20,9 @@ namespace haptic::server {
 
 class UdpPort {
  public:
-  /// Binds `listen`, "host:port" (port 0: any free one), loopback only while there is no TLS.
-  /// Throws TransportError. `streams`: the addresses that sessions are opened at.
-  explicit UdpPort(const std::string& listen, const std::vector<std::string>& streams = {},
+  /// `bound`: a UDP socket that is. `streams`: the addresses that sessions are opened at. Throws
+  /// core::TransportError.
+  explicit UdpPort(Descriptor bound, const std::vector<std::string>& streams = {},
                    ArrivalClock clock = steady_arrival);
   /// stop().
   ~UdpPort();

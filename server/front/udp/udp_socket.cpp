@@ -3,7 +3,9 @@
 #include <sys/socket.h>
 #include <sys/uio.h>
 
+#include <cerrno>
 #include <cstring>
+#include <string>
 
 #include "haptic/core/error.hpp"
 #include "server/base/steady_now.hpp"
@@ -15,19 +17,6 @@ using asio::ip::udp;
 
 /// Room for a tenth of a second of a flood: more would only grow old in there.
 constexpr int kReceiveBuffer = 1 << 20;
-
-udp::endpoint parse(const std::string& listen) {
-  const std::size_t colon = listen.rfind(':');
-  std::string host = listen.substr(0, colon);
-  if (host.size() > 2 && host.front() == '[') host = host.substr(1, host.size() - 2);
-  if (host == "localhost") host = "127.0.0.1";
-  asio::error_code error;
-  const auto address = asio::ip::make_address(host, error);
-  if (colon == std::string::npos || error) {
-    throw core::TransportError("UDP address '" + listen + "': must be an address and a port");
-  }
-  return {address, static_cast<std::uint16_t>(std::stoi(listen.substr(colon + 1)))};
-}
 
 wire::PeerAddress peer(const udp::endpoint& endpoint) {
   wire::PeerAddress answer;
@@ -62,26 +51,19 @@ core::Duration age_of_stamp(msghdr& message) {
 
 }  // namespace
 
-UdpSocket::UdpSocket(asio::io_context& context, const std::string& listen)
+UdpSocket::UdpSocket(asio::io_context& context, Descriptor bound)
     : socket_(context), empty_at_(steady_now()) {
-  const udp::endpoint wanted = parse(listen);
-  asio::error_code error;
-  const auto check = [&](const char* what) {
-    if (error) {
-      throw core::TransportError("UDP address '" + listen + "': " + what + ": " + error.message());
-    }
-  };
-  socket_.open(wanted.protocol(), error);
-  check("cannot be opened");
-  socket_.bind(wanted, error);
-  check("cannot be bound");
-  socket_.non_blocking(true, error);
-  check("cannot be read without waiting");
-  socket_.set_option(asio::socket_base::receive_buffer_size(kReceiveBuffer), error);
+  sockaddr_storage name{};
+  socklen_t size = sizeof name;
   const int on = 1;
-  if (::setsockopt(socket_.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0) {
-    throw core::TransportError("UDP address '" + listen + "': the kernel gives no arrival times");
+  if (getsockname(bound.get(), reinterpret_cast<sockaddr*>(&name), &size) != 0 ||
+      setsockopt(bound.get(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0) {
+    throw core::TransportError(std::string("UDP socket: ") + std::strerror(errno));
   }
+  socket_.assign(name.ss_family == AF_INET6 ? udp::v6() : udp::v4(), bound.release());
+  socket_.non_blocking(true);
+  asio::error_code ignored;
+  socket_.set_option(asio::socket_base::receive_buffer_size(kReceiveBuffer), ignored);
   bound_ = socket_.local_endpoint();
 }
 

@@ -5,11 +5,10 @@
 #include <asio/io_context.hpp>
 #include <asio/ip/udp.hpp>
 
-#include <string>
-
 #include "haptic/core/time.hpp"
 #include "haptic/wire/datagram.hpp"
 #include "haptic/wire/path_machine.hpp"
+#include "server/base/descriptor.hpp"
 
 namespace haptic::server {
 
@@ -32,8 +31,8 @@ struct Arrived {
 
 class UdpSocket {
  public:
-  /// `listen`: "host:port" or "[v6]:port"; port 0: any free one. Throws TransportError.
-  UdpSocket(asio::io_context& context, const std::string& listen);
+  /// `bound`: a socket that is. Throws core::TransportError.
+  UdpSocket(asio::io_context& context, Descriptor bound);
 
   [[nodiscard]] Arrived receive(wire::Bytes buffer) noexcept;
   /// Any thread. A datagram that the kernel has no room for is dropped: the next one is newer.

@@ -7,15 +7,13 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <utility>
 
 #include "haptic/core/error.hpp"
+#include "server/front/net/named_file.hpp"
 
 namespace haptic::server {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::size_t kShortest = 16, kLongest = 128;
 
@@ -38,24 +36,13 @@ std::string random_secret() {
   return text;
 }
 
-std::string read_token(const WebToken& token) {
-  const auto refuse = [&](const char* why) -> core::TransportError {
-    return core::TransportError("server.web.token '" + token.name + "': file '" +
-                                token.file.string() + "': " + why);
-  };
-  std::ifstream file(token.file, std::ios::binary);
-  std::array<char, kLongest + 2> text{};
-  file.read(text.data(), text.size());
-  std::string_view line(text.data(), static_cast<std::size_t>(file.gcount()));
-  if (file.bad() || !fs::is_regular_file(token.file)) throw refuse("cannot be read");
-  if (line.ends_with('\n')) line.remove_suffix(1);
-  if (!is_token(line)) throw refuse("must hold 16 to 128 of [A-Za-z0-9_-] on one line");
-  using fs::perms;
-  const perms open = perms::others_read | perms::others_write | perms::group_write;
-  if ((fs::status(token.file).permissions() & open) != perms::none) {
-    throw refuse("other users may read or change it: chmod 600, or 640 for a group");
-  }
-  return std::string(line);
+std::string read_token(const WebToken& token, const Descriptor& file) {
+  const std::string name =
+      "server.web.token '" + token.name + "': file = '" + token.file.string() + "'";
+  std::string line = read_named(name, file);
+  if (line.ends_with('\n')) line.pop_back();
+  if (is_token(line)) return line;
+  throw core::TransportError(name + ": must hold 16 to 128 of [A-Za-z0-9_-] on one line");
 }
 
 Rights to_rights(const WebRights& rights, const std::string& bearer) {
@@ -93,15 +80,17 @@ Refusal denied(const char* reason, const std::string& message) {
 
 }  // namespace
 
-Gate::Gate(const WebConfig& config, std::vector<std::string> names, const std::string& port)
+Gate::Gate(const WebConfig& config, std::span<const Descriptor> token_files,
+           std::vector<std::string> names, const std::string& port)
     : names_(std::move(names)),
       cookie_(port.empty() ? "haptic" : "haptic-" + port),
       origins_(config.origins),
       printed_(to_rights(config.printed, "the printed address")),
       one_time_(random_secret()) {
-  for (const WebToken& token : config.tokens) {
-    tokens_.push_back(
-        {read_token(token), to_rights(token.rights, "token of '" + token.name + "'")});
+  for (std::size_t i = 0; i < config.tokens.size(); ++i) {
+    const WebToken& token = config.tokens[i];
+    tokens_.push_back({read_token(token, token_files[i]),
+                       to_rights(token.rights, "token of '" + token.name + "'")});
   }
 }
 

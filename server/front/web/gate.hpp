@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,10 +33,12 @@ class Gate {
   static constexpr std::string_view kTokenProtocol = "haptic.token.";
   static constexpr std::size_t kCookies = 64;  ///< beyond, the oldest is forgotten
 
-  /// Reads the files of the tokens. `names`: by which the listener is reached, lower case. `port`:
-  /// tells its cookie from those of other servers of this host, which browsers keep together.
-  /// Throws core::TransportError with the file and what is wrong, never with what it holds.
-  Gate(const WebConfig& config, std::vector<std::string> names, const std::string& port = {});
+  /// Reads `token_files`, those of config.tokens. `names`: by which the listener is reached, lower
+  /// case. `port`: tells its cookie from those of other servers of this host, which browsers keep
+  /// together. Throws core::TransportError with the file and what is wrong, but never with what it
+  /// holds.
+  Gate(const WebConfig& config, std::span<const Descriptor> token_files,
+       std::vector<std::string> names, const std::string& port = {});
 
   /// Refused: the Host is not served, or the Origin is a stranger.
   [[nodiscard]] std::optional<Refusal> stranger(const Visitor& visitor) const;

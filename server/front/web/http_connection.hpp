@@ -75,7 +75,7 @@ class HttpConnection final : public WebConnection,
     }
     if (error) return;  // gone, or too slow
     peer_.peer.account->call(bytes);
-    if (peer_.scope == WebServer::Scope::kMetrics) return answer_scrape();
+    if (peer_.use == FrontConfig::Use::kMetrics) return answer_scrape();
     const Visitor visitor = this->visitor();
     if (const auto stranger = shared_.gate.stranger(visitor)) return refuse(*stranger);
     if (websocket::is_upgrade(head())) return upgrade(visitor);

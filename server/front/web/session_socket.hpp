@@ -42,7 +42,7 @@ class SessionSocket final : public SessionStream, public WebConnection {
     socket_.read_message_max(kLargestFrame);
     socket_.binary(!json);
     socket_.auto_fragment(false);
-    const KeepAlive& alive = context_.config.keep_alive;
+    const KeepAlive& alive = context_.limits.keep_alive;
     // Beast asks with a ping after half of it.
     socket_.set_option(websocket::stream_base::timeout{kCloseWithin, alive.given_up_after(), true});
     socket_.set_option(websocket::stream_base::decorator([json](websocket::response_type& head) {
@@ -73,7 +73,7 @@ class SessionSocket final : public SessionStream, public WebConnection {
   }
 
   void read(beast::error_code error, std::size_t bytes) {
-    const core::TimePoint arrival = context_.config.clock({});
+    const core::TimePoint arrival = context_.limits.clock({});
     if (error) return lost();
     if (!may_parse(bytes)) return;
     if (socket_.got_binary() == json_) {

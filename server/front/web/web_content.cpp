@@ -63,21 +63,13 @@ Page load_page(const fs::path& folder) {
       throw core::TransportError("page: '" + entry.path().string() + "' cannot be read");
     }
     content.bytes = {memory, size};
-    page.emplace("/" + fs::relative(entry.path(), folder).generic_string(), std::move(content));
+    page.emplace("/" + entry.path().lexically_relative(folder).generic_string(),
+                 std::move(content));
   }
   if (const auto index = page.find("/index.html"); index != page.end()) {
     page.emplace("/", index->second);
   }
   return page;
-}
-
-fs::path page_folder(const fs::path& program) {
-  const fs::path folder = program.parent_path();
-  if (fs::path built = folder / "page" / "dist"; fs::is_directory(built)) return built;
-  // PREFIX/libexec/hapticd/hapticd-front, or PREFIX/bin/hapticd-front.
-  const bool libexec = folder.parent_path().filename() == "libexec";
-  const fs::path prefix = libexec ? folder.parent_path().parent_path() : folder.parent_path();
-  return prefix / "share" / "haptic" / "page";
 }
 
 }  // namespace haptic::server

@@ -30,8 +30,5 @@ struct WebContent {
 /// The files of `folder` and of the folders in it; none if it does not exist. Throws
 /// core::TransportError if one cannot be read, or all together have more than 24 MB.
 [[nodiscard]] Page load_page(const std::filesystem::path& folder);
-/// Where the page of the program at `program` lies: "page/dist" next to it as it was built, or
-/// "share/haptic/page" of the prefix that it was installed in.
-[[nodiscard]] std::filesystem::path page_folder(const std::filesystem::path& program);
 
 }  // namespace haptic::server

@@ -11,12 +11,15 @@
 #include "haptic/core/error.hpp"
 #include "server/base/thread_setup.hpp"
 #include "server/front/net/peer_name.hpp"
-#include "server/front/net/tls_files.hpp"
+#include "server/front/net/protection.hpp"
 #include "server/front/web/http_connection.hpp"
 #include "server/front/web/tls_names.hpp"
 
 namespace haptic::server {
 namespace {
+
+using Addresses = std::vector<FrontConfig::Address>;
+using Use = FrontConfig::Use;
 
 constexpr std::chrono::seconds kHandshakeWithin{5};
 
@@ -33,21 +36,19 @@ bool is_any(const std::string& host) {
 }
 
 /// For browsers, by TCP; null: none.
-const WebServer::Address* first_address(const std::vector<WebServer::Address>& addresses) {
-  for (const WebServer::Address& address : addresses) {
-    const bool tcp = unix_path(address.bound).empty();
-    if (address.scope == WebServer::Scope::kAll && tcp) return &address;
+const FrontConfig::Address* first_address(const Addresses& addresses) {
+  for (const FrontConfig::Address& address : addresses) {
+    if (address.use == Use::kWeb && unix_path(address.name).empty()) return &address;
   }
   return nullptr;
 }
 
 /// Names by which the listeners are reached.
-std::vector<std::string> names_of(const WebConfig& config,
-                                  const std::vector<WebServer::Address>& addresses) {
+std::vector<std::string> names_of(const WebConfig& config, const Addresses& addresses) {
   std::vector<std::string> names = config.names;
-  for (const WebServer::Address& address : addresses) {
-    if (address.scope != WebServer::Scope::kAll || !unix_path(address.bound).empty()) continue;
-    const std::string host = host_of(address.bound);
+  for (const FrontConfig::Address& address : addresses) {
+    if (address.use != Use::kWeb || !unix_path(address.name).empty()) continue;
+    const std::string host = host_of(address.name);
     if (!is_any(host)) names.push_back(host);
     if (!is_any(host) && !is_loopback(host)) continue;
     names.insert(names.end(), {"localhost", "127.0.0.1", "[::1]"});
@@ -55,28 +56,25 @@ std::vector<std::string> names_of(const WebConfig& config,
   return names;
 }
 
-std::string cookie_port(const std::vector<WebServer::Address>& addresses) {
-  const WebServer::Address* const first = first_address(addresses);
-  return first != nullptr ? port_of(first->bound) : std::string();
+std::string cookie_port(const Addresses& addresses) {
+  const FrontConfig::Address* const first = first_address(addresses);
+  return first != nullptr ? port_of(first->name) : std::string();
 }
 
 /// Where the page is found by people; empty: nowhere.
-std::string page_address(const WebConfig& config,
-                         const std::vector<WebServer::Address>& addresses) {
-  const WebServer::Address* const first = first_address(addresses);
+std::string page_address(const WebConfig& config, const Addresses& addresses) {
+  const FrontConfig::Address* const first = first_address(addresses);
   if (first == nullptr) return {};
-  std::string host = host_of(first->bound);
+  std::string host = host_of(first->name);
   if (is_any(host)) host = "localhost";
   if (!config.names.empty() && first->protection != Protection::kThisHost) {
     host = config.names.front();
   }
-  return (encrypts(first->protection) ? "https://" : "http://") + host + ":" +
-         port_of(first->bound);
+  return (encrypts(first->protection) ? "https://" : "http://") + host + ":" + port_of(first->name);
 }
 
 /// A client certificate is asked for if there is an issuer of them, and not required.
-std::unique_ptr<asio::ssl::context> tls_context(const TlsConfig& config) {
-  const TlsFiles files = load_tls(config);
+std::unique_ptr<asio::ssl::context> tls_context(const TlsFiles& files) {
   auto context = std::make_unique<asio::ssl::context>(asio::ssl::context::tls_server);
   SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_2_VERSION);
   SSL_CTX_set_options(context->native_handle(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION);
@@ -95,13 +93,14 @@ std::unique_ptr<asio::ssl::context> tls_context(const TlsConfig& config) {
 
 class WebServer::Impl {
  public:
-  Impl(ServiceContext& context, const WebContent& content, std::vector<Address> addresses)
-      : addresses_(std::move(addresses)),
-        tls_(context.config.tls ? tls_context(*context.config.tls) : nullptr),
+  Impl(ServiceContext& context, const WebContent& content, const std::optional<TlsFiles>& tls,
+       std::span<const Descriptor> token_files)
+      : addresses_(context.config.addresses),
+        tls_(tls ? tls_context(*tls) : nullptr),
         shared_{.context = context,
                 .content = content,
-                .gate = Gate(config_of(context), names_of(config_of(context), addresses_),
-                             cookie_port(addresses_)),
+                .gate = Gate(config_of(context), token_files,
+                             names_of(config_of(context), addresses_), cookie_port(addresses_)),
                 .page_address = page_address(config_of(context), addresses_)} {}
 
   void start() {
@@ -143,7 +142,8 @@ class WebServer::Impl {
     return context.config.web.value_or(WebConfig{});
   }
 
-  void begin(const Address& address, int descriptor, std::shared_ptr<Account> account) {
+  void begin(const FrontConfig::Address& address, int descriptor,
+             std::shared_ptr<Account> account) {
     const PeerName name = peer_name(descriptor);
     sockaddr_storage own{};
     socklen_t size = sizeof own;
@@ -153,7 +153,7 @@ class WebServer::Impl {
       return;
     }
     WebPeer peer;
-    peer.scope = address.scope;
+    peer.use = address.use;
     peer.unix_socket = name.grpc.empty();
     peer.peer.encrypted = encrypts(address.protection);
     peer.peer.this_host = address.protection == Protection::kThisHost;
@@ -175,7 +175,7 @@ class WebServer::Impl {
     }));
   }
 
-  const std::vector<Address> addresses_;
+  const Addresses& addresses_;
   const std::unique_ptr<asio::ssl::context> tls_;  ///< null: plain text
   WebShared shared_;
   std::optional<asio::executor_work_guard<asio::io_context::executor_type>> guard_{
@@ -186,8 +186,8 @@ class WebServer::Impl {
 };
 
 WebServer::WebServer(ServiceContext& context, const WebContent& content,
-                     std::vector<Address> addresses)
-    : impl_(std::make_unique<Impl>(context, content, std::move(addresses))) {}
+                     const std::optional<TlsFiles>& tls, std::span<const Descriptor> token_files)
+    : impl_(std::make_unique<Impl>(context, content, tls, token_files)) {}
 
 WebServer::~WebServer() {
   stop(std::chrono::seconds(1));

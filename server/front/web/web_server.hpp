@@ -3,10 +3,10 @@
 /// (proto/README.md#the-web). Boost.Beast stays behind this header.
 
 #include <memory>
-#include <string>
-#include <vector>
+#include <optional>
+#include <span>
 
-#include "server/front/net/listen_address.hpp"
+#include "server/front/net/tls_files.hpp"
 #include "server/front/service/service_context.hpp"
 #include "server/front/web/web_content.hpp"
 
@@ -14,17 +14,11 @@ namespace haptic::server {
 
 class WebServer {
  public:
-  /// Part of the server that an address serves.
-  enum class Scope : std::uint8_t { kAll, kMetrics };
-  struct Address {
-    std::string bound{};  ///< "HOST:PORT", "unix:/PATH"
-    Protection protection{Protection::kThisHost};
-    Scope scope{Scope::kAll};
-  };
-
-  /// Both must outlive the server. Throws TransportError naming the token's or TLS's file that is
-  /// wrong.
-  WebServer(ServiceContext& context, const WebContent& content, std::vector<Address> addresses);
+  /// `context` and `content` must outlive the server. `tls`: absent if no address is encrypted.
+  /// `token_files`: those of the configuration's tokens. Throws core::TransportError naming the
+  /// token's file that is wrong.
+  WebServer(ServiceContext& context, const WebContent& content, const std::optional<TlsFiles>& tls,
+            std::span<const Descriptor> token_files);
   /// stop() with 1 s.
   ~WebServer();
   WebServer(const WebServer&) = delete;
@@ -32,8 +26,8 @@ class WebServer {
 
   /// Serves on a thread of its own, and logs the address of the page with a one-time token.
   void start();
-  /// A connection by address number `address`; takes the descriptor. Says leave() on its account
-  /// when it has closed it. Any thread.
+  /// A connection by address number `address` of the configuration; takes the descriptor. Says
+  /// leave() on its account when it has closed it. Any thread.
   void take(std::size_t address, int descriptor, std::shared_ptr<Account> account);
   /// Closes what is still open after `grace`, and ends the thread. Idempotent.
   void stop(core::Duration grace);

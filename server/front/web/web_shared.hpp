@@ -48,7 +48,7 @@ struct WebShared {
 /// Knowledge of a connection before it says a word.
 struct WebPeer {
   Peer peer{};
-  WebServer::Scope scope{WebServer::Scope::kAll};
+  FrontConfig::Use use{FrontConfig::Use::kWeb};
   bool unix_socket{false};
 };
 

@@ -6,15 +6,12 @@
 #include <sys/wait.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <utility>
 
 #include "haptic/core/error.hpp"
 #include "server/base/steady_now.hpp"
 #include "server/base/thread_setup.hpp"
 #include "server/crossing/link_messages.hpp"
-#include "server/owner/state/device_message.hpp"
 
 namespace haptic::server {
 namespace {
@@ -33,27 +30,12 @@ std::string how_it_ended(int status) {
   return "ended with status " + std::to_string(WEXITSTATUS(status));
 }
 
-/// `text` in memory that the front can only read.
-SharedMemory shared_text(const char* name, const std::string& text) {
-  SharedMemory memory(name, std::max<std::size_t>(text.size(), 1), SharedMemory::Access::kRead);
-  std::memcpy(memory.data(), text.data(), text.size());
-  return memory;
-}
-
-std::string descriptions(const Owner& owner) {
-  std::vector<std::shared_ptr<const v1::Device>> all;
-  for (const DeviceFacts& device : owner.devices()) all.push_back(device.description);
-  return to_bytes(all);
-}
-
 }  // namespace
 
 FrontLink::FrontLink(Owner& owner, Config config)
     : owner_(owner),
       config_(std::move(config)),
-      descriptions_(descriptions(owner)),
-      scene_(shared_text("haptic-scene", config_.scene)),
-      devices_(shared_text("haptic-devices", descriptions_)),
+      front_config_(config_.hand_over ? to_memory(config_.hand_over->config()) : SharedMemory()),
       publisher_(std::make_shared<Publisher>(owner,
                                              [this](const Answer& answer) {
                                                local_.on_answer(answer);
@@ -72,7 +54,7 @@ FrontLink::~FrontLink() {
 
 void FrontLink::start() {
   publish_facts();
-  if (config_.launcher == nullptr) local_.listen(config_.name);
+  local_.listen(config_.launcher == nullptr ? config_.name : addresses().front());
   thread_ = std::thread([this] { run(); });
   if (config_.launcher != nullptr) first_.get_future().get();
 }
@@ -90,8 +72,7 @@ void FrontLink::restart_front() {
 }
 
 std::vector<std::string> FrontLink::addresses() const {
-  const std::lock_guard lock(mutex_);
-  return addresses_;
+  return config_.hand_over ? config_.hand_over->addresses() : std::vector<std::string>{};
 }
 
 void FrontLink::run() noexcept {
@@ -207,7 +188,7 @@ void FrontLink::look_after() {
     front.look(now_);
     const core::Duration in_stage = now_ - front.since;
     const bool starts = front.stage == Stage::kStarting || front.stage == Stage::kPreparing ||
-                        front.stage == Stage::kBinding;
+                        front.stage == Stage::kOpening;
     if (starts && in_stage > kStarting) end(front, "hapticd-front did not serve within 10 s");
     if (front.stage == Stage::kServing && now_ - front.beat_at > kSilence) {
       end(front, "hapticd-front gave no sign of life for 2 s");
@@ -222,14 +203,14 @@ void FrontLink::look_after() {
 }
 
 bool FrontLink::welcome(FrontProcess& front) {
-  const std::array<int, OwnerMessage::kDescriptors> descriptors{
-      publisher_->descriptor(), front.memory.descriptor(), front.wakes_owner.get(),
-      scene_.descriptor(), devices_.descriptor()};
-  OwnerMessage message;
-  message.generation = front.generation;
-  message.scene_bytes = config_.scene.size();
-  message.device_bytes = descriptions_.size();
-  return send(front.link.get(), message, descriptors);
+  try {
+    const FrontStart start = config_.hand_over->start();
+    wrong_ = "hapticd-front does not listen";
+    return front.welcome(publisher_->descriptor(), front_config_, start);
+  } catch (const std::exception& error) {
+    wrong_ = error.what();
+    return false;
+  }
 }
 
 void FrontLink::tell_to_go() {
@@ -239,12 +220,8 @@ void FrontLink::tell_to_go() {
     return;
   }
   current_ = std::move(next_);
-  current_->enter(Stage::kBinding, now_);
-  OwnerMessage message{OwnerMessage::Kind::kGo};
-  std::string before;
-  for (const std::string& address : addresses()) before += (before.empty() ? "" : " ") + address;
-  message.addresses = before;
-  send(current_->link.get(), message);
+  current_->enter(Stage::kOpening, now_);
+  send(current_->link.get(), OwnerMessage{OwnerMessage::Kind::kGo});
 }
 
 void FrontLink::leave(FrontProcess& front) {

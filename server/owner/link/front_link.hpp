@@ -8,7 +8,6 @@
 #include <functional>
 #include <future>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "server/crossing/link_messages.hpp"
 #include "server/owner/link/front_process.hpp"
 #include "server/owner/link/front_requests.hpp"
+#include "server/owner/link/hand_over.hpp"
 #include "server/owner/link/launcher.hpp"
 #include "server/owner/link/publisher.hpp"
 #include "server/owner/link/sample_intake.hpp"
@@ -34,9 +34,9 @@ class FrontLink {
   static constexpr core::Duration kLeaving{std::chrono::milliseconds(1500)};
 
   struct Config {
-    Launcher* launcher{nullptr};  ///< null: the scene is offline, there is no front
-    std::string scene{};          ///< as `hapticd --print-scene` shows it
-    std::string name{};           ///< of the scene; its control socket has it if it is offline
+    Launcher* launcher{nullptr};                  ///< null: the scene is offline, there is no front
+    std::shared_ptr<const HandOver> hand_over{};  ///< null only with `launcher`
+    std::string name{};  ///< of the scene; its control socket has it if it is offline
     std::function<ServerFacts()> facts{};  ///< called ten times a second, on the link's thread
     std::shared_ptr<const TickMetrics> ticks{};  ///< null: the scene has no metrics
     /// The thread of the link gets SCHED_FIFO at the lowest priority: neither a sample nor a stop
@@ -52,7 +52,7 @@ class FrontLink {
   FrontLink(const FrontLink&) = delete;
   FrontLink& operator=(const FrontLink&) = delete;
 
-  /// Returns when the first front serves and the control socket is there, which is named after its
+  /// Returns when the first front serves and the control socket is there, which is named after the
   /// first address. Throws core::TransportError with the front's reason.
   void start();
   /// Ends the front, its streams first, then the thread. Idempotent.
@@ -61,7 +61,7 @@ class FrontLink {
   void restart_front();
   /// The loop's thread, just before each tick (SampleIntake).
   void before_tick() noexcept { intake_.take_for_tick(); }
-  /// Where the newest front serves.
+  /// Where fronts serve.
   [[nodiscard]] std::vector<std::string> addresses() const;
 
  private:
@@ -77,7 +77,7 @@ class FrontLink {
   [[nodiscard]] bool take_messages(FrontProcess& front);
   [[nodiscard]] bool take(FrontProcess& front, FrontMessage& message);
   void choose_samples();
-  [[nodiscard]] bool serves_now(FrontProcess& front, const std::string& addresses);
+  void serves_now(FrontProcess& front);
   void publish_facts();
   // front_link.cpp: the life of fronts.
   void of_front(ControlSocket::Command::Kind kind, std::uint64_t reply_to);
@@ -92,8 +92,7 @@ class FrontLink {
 
   Owner& owner_;
   const Config config_;
-  const std::string descriptions_;
-  SharedMemory scene_, devices_;
+  const SharedMemory front_config_;  ///< FrontConfig as bytes; a front can only read it
   std::shared_ptr<Publisher> publisher_;
   LocalCommands local_;
   Descriptor wakes_;  ///< the link's thread, for local answers, restart_front() and stop()
@@ -119,8 +118,6 @@ class FrontLink {
   std::promise<void> first_{};
   bool first_told_{false};
   std::atomic<bool> stopping_{false}, restart_wanted_{false};
-  mutable std::mutex mutex_;
-  std::vector<std::string> addresses_{};
   std::thread thread_{};
 };
 

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <fstream>
-#include <sstream>
 #include <utility>
 
 #include "server/base/steady_now.hpp"
@@ -79,13 +78,13 @@ bool FrontLink::take(FrontProcess& front, FrontMessage& message) {
         return false;
       }
       front.enter(Stage::kPreparing, now_);
-      wrong_ = "hapticd-front does not listen";
       return welcome(front);
     case FrontMessage::Kind::kReady:
       if (front.stage == Stage::kPreparing) front.enter(Stage::kReady, now_);
       return true;
     case FrontMessage::Kind::kServing:
-      return front.stage != Stage::kBinding || serves_now(front, message.text.str());
+      if (front.stage == Stage::kOpening) serves_now(front);
+      return true;
     case FrontMessage::Kind::kCannotServe:
       if (front.stage >= Stage::kServing) return true;
       wrong_ = message.text.str();
@@ -98,22 +97,7 @@ bool FrontLink::take(FrontProcess& front, FrontMessage& message) {
   return true;
 }
 
-bool FrontLink::serves_now(FrontProcess& front, const std::string& addresses) {
-  std::vector<std::string> each;
-  std::istringstream words(addresses);
-  for (std::string word; words >> word;) each.push_back(word);
-  if (!local_.listening()) {
-    try {
-      local_.listen(each.empty() ? config_.name : each.front());
-    } catch (const std::exception& error) {
-      wrong_ = error.what();
-      return false;
-    }
-  }
-  {
-    const std::lock_guard lock(mutex_);
-    addresses_ = std::move(each);
-  }
+void FrontLink::serves_now(FrontProcess& front) {
   front.enter(Stage::kServing, now_);
   choose_samples();
   front.served_since = now_;
@@ -122,7 +106,6 @@ bool FrontLink::serves_now(FrontProcess& front, const std::string& addresses) {
   if (!std::exchange(first_told_, true)) first_.set_value();
   if (served_ > 1) spdlog::info("front number {} serves (process {})", served_, front.pid);
   local_.answer(std::exchange(restart_reply_, 0), "ok\na new front serves");
-  return true;
 }
 
 /// From now on the samples of the front that serves, if one does, are taken.

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "haptic/core/error.hpp"
+#include "server/crossing/link_messages.hpp"
 
 namespace haptic::server {
 
@@ -30,6 +31,18 @@ FrontProcess::FrontProcess(std::uint32_t its_generation, core::TimePoint now)
       beat_at(now),
       stops(kMostDevices, 0) {
   std::tie(link, its_link) = packet_pair();
+}
+
+bool FrontProcess::welcome(int owners_pages, const SharedMemory& config,
+                           const FrontStart& start) const {
+  std::vector<int> descriptors{owners_pages, memory.descriptor(), wakes_owner.get(),
+                               config.descriptor()};
+  for (const Descriptor& each : start.sockets) descriptors.push_back(each.get());
+  for (const Descriptor& each : start.files) descriptors.push_back(each.get());
+  OwnerMessage message;
+  message.generation = generation;
+  message.config_bytes = config.bytes();
+  return send(link.get(), message, descriptors);
 }
 
 void FrontProcess::hear() const {

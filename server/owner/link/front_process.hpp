@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/crossing/front_config.hpp"
 #include "server/crossing/packet_socket.hpp"
 #include "server/crossing/shared_layout.hpp"
 #include "server/owner/rights/owner.hpp"
@@ -18,7 +19,7 @@ struct FrontProcess {
     kStarting,   ///< until its hello
     kPreparing,  ///< until it is ready
     kReady,      ///< the front before it has to leave first
-    kBinding,    ///< until it serves
+    kOpening,    ///< until it serves
     kServing,
     kLeaving,
     kKilled,
@@ -31,6 +32,10 @@ struct FrontProcess {
     stage = to;
     since = beat_at = now;
   }
+  /// Hands it `config`, which are the bytes of start.config, the owner's pages and what was opened
+  /// for it. False: the front is gone.
+  [[nodiscard]] bool welcome(int owners_pages, const SharedMemory& config,
+                             const FrontStart& start) const;
   /// Reads the eventfd by which the front wakes the owner.
   void hear() const;
   /// Looks at its sign of life.

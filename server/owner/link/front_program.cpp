@@ -1,7 +1,7 @@
 #include "server/owner/link/front_program.hpp"
 
+#include <poll.h>
 #include <spawn.h>
-#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "haptic/core/error.hpp"
+#include "server/crossing/link_messages.hpp"
 #include "server/owner/link/front_link.hpp"
 
 namespace haptic::server {
@@ -24,12 +25,18 @@ constexpr std::size_t kMemory = std::size_t{512} << 20U;
 constexpr std::size_t kStack = std::size_t{1} << 20U;
 #endif
 
+std::shared_ptr<const HandOver> hand_over(const App& app) {
+  const ServerScene& scene = app.scene().server;
+  const std::filesystem::path page = scene.web ? page_folder(front_program()) : "";
+  return std::make_shared<const HandOver>(front_config(app), scene, page);
+}
+
 class Process final : public FrontRunner {
  public:
   Process(App& app, Launcher* launcher, std::function<void()> lost)
-      : link_(app.owner(),
-              {launcher, app.scene().resolved, app.scene().name, [&app] { return app.facts(); },
-               app.tick_metrics(), app.realtime().facts.sched_fifo, std::move(lost)}) {}
+      : link_(app.owner(), {launcher, launcher != nullptr ? hand_over(app) : nullptr,
+                            app.scene().name, [&app] { return app.facts(); }, app.tick_metrics(),
+                            app.realtime().facts.sched_fifo, std::move(lost)}) {}
   void start() override { link_.start(); }
   void stop() override { link_.stop(); }
   void before_tick() noexcept override { link_.before_tick(); }
@@ -39,6 +46,29 @@ class Process final : public FrontRunner {
  private:
   FrontLink link_;
 };
+
+/// A front that has `link` as its descriptor 3.
+pid_t spawn(const std::filesystem::path& program, const Descriptor& link) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, link.get(), 3);
+  std::string name = "hapticd-front";
+  char* const arguments[] = {name.data(), nullptr};
+  pid_t pid = 0;
+  const int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) throw core::TransportError(program.string() + ": " + std::strerror(error));
+  return pid;
+}
+
+/// kHello if it says nothing in time, or ends.
+FrontMessage next_message(const FrontProcess& front) {
+  pollfd wait{front.link.get(), POLLIN, 0};
+  poll(&wait, 1, static_cast<int>(FrontLink::kStarting / std::chrono::milliseconds(1)));
+  FrontMessage message;
+  static_cast<void>(receive(front.link.get(), message));
+  return message;
+}
 
 }  // namespace
 
@@ -64,23 +94,37 @@ std::unique_ptr<FrontRunner> front_process(App& app, Launcher* launcher,
   return std::make_unique<Process>(app, launcher, std::move(lost));
 }
 
-int check_tls(const std::string& resolved_scene) {
-  const std::string program = front_program().string();
-  const int scene = memfd_create("haptic-scene", 0);  // passed on by exec
-  const auto size = static_cast<ssize_t>(resolved_scene.size());
-  if (scene < 0 || ::write(scene, resolved_scene.data(), resolved_scene.size()) != size) {
-    throw core::TransportError(std::string("memory for the scene: ") + std::strerror(errno));
+FrontConfig front_config(const App& app) {
+  FrontConfig config = front_config(app.scene().server, app.options().insecure_lab);
+  config.scene = app.scene().name;
+  config.log_level = app.options().log_level;
+  config.log_format = app.options().log_format;
+  config.period = app.scene().loop.period;
+  config.devices = devices_for_front(app.owner().devices());
+  return config;
+}
+
+void check_front_files(const Scene& scene) {
+  FrontConfig config = front_config(scene.server, false);
+  config.log_level = "error";
+  if (!config.tls && (!config.web || config.web->tokens.empty())) return;
+  const std::filesystem::path program = front_program();
+  const FrontStart start{config, {}, open_files(config, page_folder(program))};
+  const SharedMemory bytes = to_memory(config);
+  const SharedMemory pages("haptic-check", OwnersPages::bytes(0), SharedMemory::Access::kRead);
+  FrontProcess front(0, {});
+  const pid_t pid = spawn(program, front.its_link);
+  front.its_link = Descriptor();
+  FrontMessage said = next_message(front);
+  if (said.kind == FrontMessage::Kind::kHello && said.layout == layout_hash() &&
+      front.welcome(pages.descriptor(), bytes, start)) {
+    said = next_message(front);
   }
-  std::string option = "--check-tls=/proc/self/fd/" + std::to_string(scene);
-  std::string name = "hapticd-front";
-  char* const arguments[] = {name.data(), option.data(), nullptr};
-  pid_t pid = 0;
-  const int error = posix_spawn(&pid, program.c_str(), nullptr, nullptr, arguments, environ);
-  close(scene);
-  if (error != 0) throw core::TransportError(program + ": " + std::strerror(error));
-  int status = 0;
-  waitpid(pid, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+  front.link = Descriptor();  // it leaves
+  waitpid(pid, nullptr, 0);
+  if (said.kind == FrontMessage::Kind::kReady) return;
+  const bool refused = said.kind == FrontMessage::Kind::kCannotServe;
+  throw core::TransportError(refused ? said.text.str() : program.string() + " is of another build");
 }
 
 }  // namespace haptic::server

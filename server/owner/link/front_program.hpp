@@ -2,10 +2,9 @@
 /// hapticd-front as a process of its own, and where its program lies.
 
 #include <filesystem>
-#include <string>
-#include <vector>
 
 #include "server/owner/app.hpp"
+#include "server/owner/link/hand_over.hpp"
 #include "server/owner/link/launcher.hpp"
 
 namespace haptic::server {
@@ -22,8 +21,11 @@ namespace haptic::server {
 [[nodiscard]] std::unique_ptr<FrontRunner> front_process(App& app, Launcher* launcher,
                                                          std::function<void()> lost);
 
-/// Has a front check the files of TLS that a scene names, and say what is wrong; the answer is the
-/// exit status to leave with.
-[[nodiscard]] int check_tls(const std::string& resolved_scene);
+/// The configuration of the fronts of `app`, whose devices are open.
+[[nodiscard]] FrontConfig front_config(const App& app);
+
+/// Has a confined front check the files that a scene names for it: those of TLS and of tokens.
+/// Throws core::TransportError that says what is wrong.
+void check_front_files(const Scene& scene);
 
 }  // namespace haptic::server

@@ -74,8 +74,7 @@ void take_rights_away(const FrontLimits& limits) {
 }
 
 /// The front's side of fork().
-[[noreturn]] void become_front(const char* program, char* const* arguments, int link,
-                               const FrontLimits& limits) {
+[[noreturn]] void become_front(const char* program, int link, const FrontLimits& limits) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() == 1) _exit(kCannotExec);  // the launcher died before the line above
   take_rights_away(limits);
@@ -88,15 +87,15 @@ void take_rights_away(const FrontLimits& limits) {
     dup2(link, kLink);
   }
   close_range(kLink + 1, ~0U, 0);
-  execv(program, arguments);
+  execl(program, program, nullptr);
   _exit(kCannotExec);
 }
 
 /// The launcher's process, until the owner is gone.
 class Service {
  public:
-  Service(int socket, const char* program, char* const* arguments, const FrontLimits& limits)
-      : socket_(socket), program_(program), arguments_(arguments), limits_(limits) {}
+  Service(int socket, const char* program, const FrontLimits& limits)
+      : socket_(socket), program_(program), limits_(limits) {}
 
   void run() {
     sigset_t child;
@@ -157,7 +156,7 @@ class Service {
       sigset_t none;
       sigemptyset(&none);
       sigprocmask(SIG_SETMASK, &none, nullptr);
-      become_front(program_, arguments_, link, limits_);
+      become_front(program_, link, limits_);
     }
     if (pid < 0) {
       send(socket_, Notice{Notice::Kind::kEnded, 0, errno});
@@ -168,14 +167,12 @@ class Service {
 
   const int socket_;
   const char* const program_;
-  char* const* const arguments_;
   const FrontLimits limits_;
 };
 
 }  // namespace
 
-Launcher::Launcher(std::filesystem::path program, std::vector<std::string> arguments,
-                   FrontLimits limits) {
+Launcher::Launcher(std::filesystem::path program, FrontLimits limits) {
   auto [ours, its] = packet_pair();
   pid_ = fork();
   if (pid_ < 0) throw core::TransportError(std::string("fork: ") + std::strerror(errno));
@@ -183,11 +180,7 @@ Launcher::Launcher(std::filesystem::path program, std::vector<std::string> argum
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     prctl(PR_SET_NAME, "hapticd-launch", 0, 0, 0);
     ours = Descriptor();
-    std::string path = program.string();
-    std::vector<char*> argv{path.data()};
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    Service(its.get(), path.c_str(), argv.data(), limits).run();
+    Service(its.get(), program.c_str(), limits).run();
     _exit(0);
   }
   socket_ = std::move(ours);

@@ -7,8 +7,6 @@
 
 #include <filesystem>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "server/crossing/packet_socket.hpp"
 
@@ -33,7 +31,7 @@ class Launcher {
 
   /// Forks. The caller must still be the only thread. `program` is looked up at each start, so that
   /// an upgraded one is found. Throws core::TransportError.
-  Launcher(std::filesystem::path program, std::vector<std::string> arguments, FrontLimits limits);
+  Launcher(std::filesystem::path program, FrontLimits limits);
   /// Ends the launcher, and with it every front.
   ~Launcher();
   Launcher(const Launcher&) = delete;

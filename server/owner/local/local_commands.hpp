@@ -23,7 +23,6 @@ class LocalCommands {
 
   /// From now on the socket control_name(address) is there. Throws core::TransportError.
   void listen(const std::string& address);
-  [[nodiscard]] bool listening() const noexcept { return control_ != nullptr; }
   void add_to(std::vector<pollfd>& wait) const;
   /// Reads what came, and sends what was answered.
   void turn(core::TimePoint now);

@@ -92,8 +92,8 @@ void Owner::add(DeviceUnit& unit, const SessionRules& rules,
                            std::to_string(largest) + " bytes, must have at most " +
                            std::to_string(SerialisedState::kMost));
   }
-  facts_.push_back(
-      {unit.name(), std::move(description), &unit.config(), rules.lease_timeout, largest});
+  facts_.push_back({unit.name(), std::move(description), unit.config().scene.staleness,
+                    rules.lease_timeout, largest});
   devices_.push_back(std::make_unique<Device>(*this, devices_.size(), unit, rules));
 }
 

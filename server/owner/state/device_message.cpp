@@ -64,20 +64,4 @@ v1::Device describe(const std::string& name, const hw::DeviceInfo& info,
   return message;
 }
 
-std::string to_bytes(const std::vector<std::shared_ptr<const v1::Device>>& devices) {
-  v1::ListDevicesResponse all;
-  for (const auto& device : devices) *all.add_devices() = *device;
-  return all.SerializeAsString();
-}
-
-std::vector<std::shared_ptr<const v1::Device>> devices_of(const std::string& bytes) {
-  v1::ListDevicesResponse all;
-  std::vector<std::shared_ptr<const v1::Device>> devices;
-  if (!all.ParseFromString(bytes)) return devices;
-  for (const v1::Device& device : all.devices()) {
-    devices.push_back(std::make_shared<const v1::Device>(device));
-  }
-  return devices;
-}
-
 }  // namespace haptic::server

@@ -132,7 +132,7 @@ TEST(PacedApp, ReportsThePacingDeviceAndRate) {
   EXPECT_EQ(info.loop().paced_by(), "finger");
   EXPECT_GT(info.loop().paced_by_sample(), 50u);
   EXPECT_LE(info.loop().paced_by_sample(), info.loop().ticks());
-  EXPECT_THAT(scraped(app.metrics_port()),
+  EXPECT_THAT(scraped(haptic::test::port_of(app.addresses().back())),
               HasSubstr("haptic_loop_sample_paced_ticks_total{device=\"finger\"} "));
 }
 

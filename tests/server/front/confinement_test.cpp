@@ -20,7 +20,7 @@ using haptic::server::confine;
 bool confined(const std::function<bool()>& attack) {
   const pid_t child = fork();
   if (child == 0) {
-    static_cast<void>(confine({}));
+    static_cast<void>(confine());
     _exit(attack() ? 7 : 8);
   }
   int status = 0;

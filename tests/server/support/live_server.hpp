@@ -11,7 +11,9 @@
 
 #include "server/base/steady_now.hpp"
 #include "server/front/server.hpp"
+#include "server/owner/link/hand_over.hpp"
 #include "tests/server/support/device_rig.hpp"
+#include "tests/server/support/port_of.hpp"
 #include "tests/support/within.hpp"
 
 namespace haptic::test {
@@ -27,16 +29,18 @@ inline core::PipelineConfig patient_config() {
 
 class LiveServer {
  public:
-  explicit LiveServer(server::ServiceConfig config = {{"127.0.0.1:0"}},
+  explicit LiveServer(const server::ServerScene& scene = {{"127.0.0.1:0"}},
                       core::PipelineConfig pipeline = patient_config(),
-                      server::SessionRules rules = {})
-      : rig(std::move(pipeline), rules, server::steady_now(), config.max_sessions),
-        rpc(std::move(config), *rig.owner, [] {
-          server::ServerFacts facts{.version = "1.2.3", .scene = "test"};
-          facts.realtime.grade = "best-effort";
-          facts.loop.ticks = 42;
-          return facts;
-        }) {
+                      server::SessionRules rules = {}, server::ServiceLimits limits = {})
+      : rig(std::move(pipeline), rules, server::steady_now(), scene.max_sessions),
+        hand_over(server::front_config(scene, false), scene, "/no/page"),
+        rpc(hand_over.start(), *rig.owner, {[] {
+              server::ServerFacts facts{.version = "1.2.3", .scene = "test"};
+              facts.realtime.grade = "best-effort";
+              facts.loop.ticks = 42;
+              return facts;
+            }},
+            std::move(limits)) {
     // Three ticks first, so that a client finds a device that is open.
     rig.tick(3);
     rpc.start();
@@ -44,12 +48,13 @@ class LiveServer {
   }
 
   ~LiveServer() {
-    rpc.shutdown(5s);
+    rpc.stop(5s);
     running_ = false;
     loop_.join();
   }
 
-  [[nodiscard]] std::string address() const { return rpc.bound_addresses().front(); }
+  [[nodiscard]] std::string address() const { return hand_over.addresses().front(); }
+  [[nodiscard]] std::uint16_t udp_port() const { return port_of(hand_over.config().udp_listen); }
   [[nodiscard]] std::shared_ptr<grpc::Channel> channel() const {
     return grpc::CreateChannel(address(), grpc::InsecureChannelCredentials());
   }
@@ -57,6 +62,7 @@ class LiveServer {
   std::atomic<bool> hung{false};
 
   DeviceRig rig;
+  server::HandOver hand_over;
   server::FrontServer rpc;
 
  private:

@@ -40,9 +40,9 @@ TEST(Bounds, CompressedRequestsAreRefused) {
 }
 
 TEST(Bounds, ACutConnectionComesAgain) {
-  server::ServiceConfig config{.listen = {"127.0.0.1:0"}};
-  config.connections.debt = 16 * 1024;
-  LiveServer server(config);
+  server::ServiceLimits limits;
+  limits.connections.debt = 16 * 1024;
+  LiveServer server({{"127.0.0.1:0"}}, patient_config(), {}, limits);
   const auto channel = server.channel();
   OpenSession session(channel);
   session.publish(std::vector<double>(20'000, 0.0));  // beyond every message: a debt
@@ -66,7 +66,7 @@ TEST(Bounds, ShutdownWaitsForNoPeer) {
   }());
   std::this_thread::sleep_for(300ms);
   const auto begin = std::chrono::steady_clock::now();
-  server->rpc.shutdown(1s);
+  server->rpc.stop(1s);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 5s);
   context.TryCancel();
 }

@@ -94,12 +94,12 @@ class RawHttp2 {
   bool connected_{false};
 };
 
-server::ServiceConfig hasty() {
-  return {.listen = {"127.0.0.1:0"}, .keep_alive = {300ms, 1700ms}};
+server::ServiceLimits hasty() {
+  return {.keep_alive = {300ms, 1700ms}};
 }
 
 TEST(KeepAlive, GivesUpAfterAnUnansweredPing) {
-  LiveServer server(hasty());
+  LiveServer server({{"127.0.0.1:0"}}, patient_config(), {}, hasty());
   const Clock::time_point began = Clock::now();
   RawHttp2 client(server.address());
   ASSERT_TRUE(client.connected());
@@ -115,7 +115,7 @@ TEST(KeepAlive, GivesUpAfterAnUnansweredPing) {
 }
 
 TEST(KeepAlive, KeepsClientsThatAnswerPings) {
-  LiveServer server(hasty());
+  LiveServer server({{"127.0.0.1:0"}}, patient_config(), {}, hasty());
   RawHttp2 client(server.address());
   ASSERT_TRUE(client.connected());
   const Clock::time_point began = Clock::now();
@@ -131,7 +131,7 @@ TEST(KeepAlive, KeepsClientsThatAnswerPings) {
 }
 
 TEST(KeepAlive, MatchesTheProtocolAndIdleClients) {
-  const server::KeepAlive shipped = server::ServiceConfig{}.keep_alive;
+  const server::KeepAlive shipped = server::ServiceLimits{}.keep_alive;
   std::ifstream file(HAPTIC_SOURCE_DIR "/proto/README.md");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(shipped.given_up_after());

@@ -7,13 +7,14 @@
 #include "haptic/v1/haptic_service.pb.h"
 #include "haptic/wire/datagram.hpp"
 #include "server/front/grpc/reply.hpp"
-#include "server/front/net/listen_address.hpp"
+#include "server/front/net/protection.hpp"
 #include "server/front/service/broadcaster.hpp"
 #include "server/front/service/state_frame.hpp"
 #include "server/front/session/messages.hpp"
 #include "server/front/session/pace.hpp"
 #include "server/front/session/refusals.hpp"
 #include "server/front/session/sample_ledger.hpp"
+#include "server/owner/link/listeners.hpp"
 #include "server/owner/state/state_message.hpp"
 
 namespace haptic::server {

@@ -83,7 +83,7 @@ TEST(ResumeService, FormerStreamIsEnded) {
   EXPECT_EQ(server.rig.sessions->controller(), "alice");
 }
 
-server::ServiceConfig places(unsigned max_sessions) {
+server::ServerScene places(unsigned max_sessions) {
   return {.listen = {"127.0.0.1:0"}, .max_sessions = max_sessions};
 }
 

@@ -100,7 +100,7 @@ struct SilentStream {
 };
 
 TEST(SessionService, EndsAStreamWithoutASession) {
-  LiveServer server({.listen = {"127.0.0.1:0"}, .open_within = 300ms});
+  LiveServer server({{"127.0.0.1:0"}}, patient_config(), {}, {.open_within = 300ms});
   OpenSession opens(server.channel(), v1::ROLE_OBSERVER, "alice");
   const auto begin = std::chrono::steady_clock::now();
   SilentStream silent(server.channel());
@@ -114,7 +114,8 @@ TEST(SessionService, EndsAStreamWithoutASession) {
 
 TEST(SessionService, IdleStreamsLeaveRoomForOthers) {
   // And 66 streams without a session.
-  LiveServer server({.listen = {"127.0.0.1:0"}, .max_sessions = 1, .open_within = 60s});
+  LiveServer server({.listen = {"127.0.0.1:0"}, .max_sessions = 1}, patient_config(), {},
+                    {.open_within = 60s});
   std::vector<std::unique_ptr<SilentStream>> silent;
   for (int i = 0; i < 67; ++i) {
     grpc::ChannelArguments own;  // a connection of its own each, so that no limit of one helps

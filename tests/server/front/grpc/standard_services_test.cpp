@@ -117,10 +117,9 @@ TEST(Reflection, KnowsTheServicesDescriptor) {
   EXPECT_NE(answer.find("UpdateSettings"), std::string::npos);
 }
 
-std::string answer_of(const std::string& address, DeviceRig& rig) {
-  server::FrontServer second({{address}}, *rig.owner, [] { return server::ServerFacts{}; });
+std::string answer_of(const std::string& address) {
   try {
-    second.start();
+    const server::Listeners second({{address}}, false);
   } catch (const core::TransportError& error) {
     return error.what();
   }
@@ -129,8 +128,7 @@ std::string answer_of(const std::string& address, DeviceRig& rig) {
 
 TEST(Address, NamesAPortInUse) {
   LiveServer server;
-  DeviceRig other;
-  const std::string error = answer_of(server.address(), other);
+  const std::string error = answer_of(server.address());
   EXPECT_NE(error.find(server.address()), std::string::npos);
   EXPECT_NE(error.find("in use"), std::string::npos);
 }
@@ -138,8 +136,7 @@ TEST(Address, NamesAPortInUse) {
 TEST(Address, UnixSocketStaysWithItsOwner) {
   const std::string address = "unix:/tmp/haptic_rpc_use_" + std::to_string(::getpid()) + ".sock";
   LiveServer server({{address}});
-  DeviceRig other;
-  EXPECT_NE(answer_of(address, other).find("in use"), std::string::npos);
+  EXPECT_NE(answer_of(address).find("in use"), std::string::npos);
   OpenSession session(server.channel(), v1::ROLE_OBSERVER, "still here");
 }
 
@@ -151,14 +148,13 @@ TEST(Address, TakesOverAnAbandonedSocket) {
 }
 
 TEST(Address, PlaintextBeyondThisHostIsRefused) {
-  DeviceRig rig;
-  EXPECT_NE(answer_of("0.0.0.0:0", rig).find("TLS"), std::string::npos);
+  EXPECT_NE(answer_of("0.0.0.0:0").find("TLS"), std::string::npos);
 }
 
 TEST(Address, SeveralAreServedAtOnce) {
   const std::string socket = "unix:/tmp/haptic_rpc_two_" + std::to_string(::getpid()) + ".sock";
   LiveServer server({{"127.0.0.1:0", socket}});
-  for (const std::string& address : server.rpc.bound_addresses()) {
+  for (const std::string& address : server.hand_over.addresses()) {
     OpenSession session(grpc::CreateChannel(address, grpc::InsecureChannelCredentials()),
                         v1::ROLE_OBSERVER, "both");
   }

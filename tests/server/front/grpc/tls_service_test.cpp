@@ -65,7 +65,7 @@ class TlsTest : public testing::Test {
     }
     return config;
   }
-  static server::ServiceConfig config(bool mutual) {
+  static server::ServerScene config(bool mutual) {
     return {.listen = {"127.0.0.1:0"}, .udp_listen = "127.0.0.1:0", .tls = tls(mutual)};
   }
   static std::shared_ptr<grpc::Channel> channel(const LiveServer& server, const std::string& ca,
@@ -89,7 +89,9 @@ class TlsTest : public testing::Test {
   }
   static std::string load_error(const server::TlsConfig& config) {
     try {
-      static_cast<void>(server::load_tls(config));
+      server::FrontConfig front;
+      front.tls = config;
+      static_cast<void>(server::read_tls(config, server::open_files(front, {})));
     } catch (const core::TransportError& error) {
       return error.what();
     }
@@ -192,7 +194,7 @@ TEST_F(TlsTest, NamesWrongFilesWithoutTheirContents) {
 
 TEST(Peer, KeysStayLocalOrInTls) {
   server::Peer peer;
-  server::ServiceConfig config;
+  server::FrontConfig config;
   EXPECT_FALSE(may_have_keys(peer, config));
   peer.this_host = true;
   EXPECT_TRUE(may_have_keys(peer, config));
@@ -216,7 +218,7 @@ TEST(Peer, RecognisesThisHostByAddress) {
 }
 
 TEST(Peer, WithoutCertificateOnlyLocalMayOperate) {
-  server::ServiceConfig config;
+  server::FrontConfig config;
   server::Peer peer{.this_host = true};
   EXPECT_EQ(rights_of(peer, config).highest, server::Priority::kOperator);
   config.tls.emplace();
@@ -226,7 +228,7 @@ TEST(Peer, WithoutCertificateOnlyLocalMayOperate) {
 }
 
 TEST(Peer, HigherOfTwoNamesCounts) {
-  server::ServiceConfig config;
+  server::FrontConfig config;
   config.tls.emplace();
   config.tls->clients = {{"a", server::Priority::kTest}, {"b", server::Priority::kOperator}};
   server::Peer peer{.names = {"a"}};

@@ -108,7 +108,7 @@ TEST(WatchService, RefusesAWrongRateOrDevice) {
 }
 
 TEST(WatchService, ConflatesAndTellsWatchersOverBudget) {
-  LiveServer server({.listen = {"127.0.0.1:0"}, .watch_budget_hz = 500});
+  LiveServer server({{"127.0.0.1:0"}}, patient_config(), {}, {.watch_budget_hz = 500});
   std::vector<std::unique_ptr<TestWatch>> watches;
   for (int i = 0; i < 4; ++i) {
     watches.push_back(std::make_unique<TestWatch>(server.channel(), 1000.0));

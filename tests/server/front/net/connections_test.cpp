@@ -10,6 +10,8 @@
 #include <mutex>
 
 #include "haptic/core/error.hpp"
+#include "server/owner/link/listeners.hpp"
+#include "tests/server/support/port_of.hpp"
 #include "tests/support/within.hpp"
 
 namespace haptic::test {
@@ -20,10 +22,16 @@ using server::ConnectionLimits;
 using server::Connections;
 using server::Descriptor;
 
+std::vector<Connections::Listener> listeners(const server::Listeners& bound) {
+  std::vector<Connections::Listener> all;
+  for (Descriptor& socket : bound.sockets()) all.push_back({std::move(socket), 0});
+  return all;
+}
+
 /// A service that keeps every connection and reads what comes, as gRPC would.
 class Door {
  public:
-  explicit Door(const ConnectionLimits& limits) : connections({"127.0.0.1:0"}, limits) {
+  explicit Door(const ConnectionLimits& limits) : connections(listeners(bound_), limits) {
     connections.start(
         [this](std::size_t, int descriptor, std::shared_ptr<server::Account> account) {
           const std::lock_guard lock(mutex_);
@@ -32,7 +40,7 @@ class Door {
         });
   }
 
-  [[nodiscard]] int port() const { return connections.ports()[0]; }
+  [[nodiscard]] int port() const { return port_of(bound_.addresses()[0].name); }
   [[nodiscard]] std::size_t accepted() {
     const std::lock_guard lock(mutex_);
     return accepted_.size();
@@ -55,6 +63,7 @@ class Door {
   std::mutex mutex_;
   std::vector<Descriptor> accepted_{};
   std::vector<std::shared_ptr<server::Account>> accounts_{};
+  const server::Listeners bound_{{{"127.0.0.1:0"}}, false};
 
  public:
   Connections connections;
@@ -166,9 +175,11 @@ TEST(Connections, WhatItsServiceClosedIsClosed) {
 }
 
 TEST(Connections, FloodsBeforeAcceptanceAreRefused) {
-  Connections door({"127.0.0.1:0"}, {});
-  Caller flood(door.ports()[0]);
-  Caller early(door.ports()[0]);
+  const server::Listeners bound({{"127.0.0.1:0"}}, false);
+  Connections door(listeners(bound), {});
+  const int port = port_of(bound.addresses()[0].name);
+  Caller flood(port);
+  Caller early(port);
   ASSERT_TRUE(flood.send(20'000));
   ASSERT_TRUE(early.send(2'000));
   std::vector<Descriptor> accepted;
@@ -263,7 +274,7 @@ TEST(Connections, AnAddressInUseIsNamed) {
   Door door({});
   const std::string address = "127.0.0.1:" + std::to_string(door.port());
   try {
-    Connections second({address}, {});
+    const server::Listeners second({{address}}, false);
     FAIL() << "bound twice";
   } catch (const core::TransportError& error) {
     EXPECT_NE(std::string(error.what()).find(address), std::string::npos) << error.what();

@@ -110,7 +110,7 @@ class ResponseStreamTest : public testing::Test {
 
   DeviceRig rig;
   std::shared_ptr<server::ServiceContext> context = std::make_shared<server::ServiceContext>(
-      server::ServiceConfig{}, *rig.owner, [] { return server::ServerFacts{}; });
+      server::FrontConfig{}, *rig.owner, [] { return server::ServerFacts{}; });
   const std::string id = "s1";
   std::shared_ptr<HandDrivenStream> stream;
   bool lease_at_finish{true}, place_at_finish{true}, id_at_finish{true};

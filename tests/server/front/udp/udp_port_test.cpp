@@ -1,6 +1,7 @@
 /// The port alone: true times of arrival, counters by reason, new keys.
 
 #include "server/front/udp/udp_port.hpp"
+#include "server/owner/link/listeners.hpp"
 
 #include <gtest/gtest.h>
 
@@ -60,10 +61,15 @@ std::string sample(std::uint64_t seq) {
   return message.SerializeAsString();
 }
 
+server::Descriptor bound(const std::string& udp_listen) {
+  const server::Listeners listeners({.listen = {"127.0.0.1:0"}, .udp_listen = udp_listen}, false);
+  return std::move(listeners.sockets().back());
+}
+
 class UdpPortTest : public testing::Test {
  protected:
   std::shared_ptr<RecordingSink> sink = std::make_shared<RecordingSink>();
-  server::UdpPort port{"127.0.0.1:0"};
+  server::UdpPort port{bound("127.0.0.1:0")};
   server::UdpPort::Opened opened = port.open(sink, 10ms);
   /// Bytes to the port, from a socket that nobody answers.
   UdpEnd sender{wire::End::kServer, wire::fresh_keys()};
@@ -214,10 +220,10 @@ TEST_F(UdpPortTest, ClosedPathIsUnknownAndReported) {
 }
 
 TEST(UdpPort, NamesAnAddressItCannotBind) {
-  server::UdpPort first("127.0.0.1:0");
+  const server::UdpPort first(bound("127.0.0.1:0"));
   const std::string taken = "127.0.0.1:" + std::to_string(first.port());
   try {
-    server::UdpPort second(taken);
+    static_cast<void>(bound(taken));
     FAIL() << "bound twice";
   } catch (const std::exception& error) {
     EXPECT_NE(std::string(error.what()).find(taken), std::string::npos);

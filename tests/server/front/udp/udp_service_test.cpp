@@ -12,7 +12,7 @@
 namespace haptic::test {
 namespace {
 
-server::ServiceConfig with_udp() {
+server::ServerScene with_udp() {
   return {.listen = {"127.0.0.1:0"}, .udp_listen = "127.0.0.1:0"};
 }
 
@@ -71,7 +71,7 @@ TEST(UdpService, IsOfferedOnlyIfWanted) {
   OpenSession without(server.channel(), v1::ROLE_OBSERVER, "bob");
   EXPECT_FALSE(without.opened().has_udp());
   OpenSession with(server.channel(), wanting_udp(v1::ROLE_OBSERVER, "alice"));
-  EXPECT_EQ(with.opened().udp().port(), server.rpc.udp_port());
+  EXPECT_EQ(with.opened().udp().port(), server.udp_port());
   EXPECT_NE(with.opened().udp().path_id(), 0U);
   EXPECT_NE(with.opened().udp().up_key(), with.opened().udp().down_key());
   EXPECT_EQ(with.opened().transport(), v1::TRANSPORT_GRPC);
@@ -217,15 +217,15 @@ TEST(UdpService, ReplayAndJunkGetNoAnswer) {
   UdpEnd attacker(wire::End::kServer, wire::fresh_keys());
   std::vector<std::uint8_t> caught = alice.udp->seal(proxy_sample(1, 0.005));
   ASSERT_FALSE(caught.empty());
-  alice.udp->send_raw(caught, server.rpc.udp_port());
+  alice.udp->send_raw(caught, server.udp_port());
   ASSERT_TRUE(eventually([&] { return alice.session.ack().accepted() == 1; }));
-  for (int i = 0; i < 200; ++i) attacker.send_raw(caught, server.rpc.udp_port());
+  for (int i = 0; i < 200; ++i) attacker.send_raw(caught, server.udp_port());
   for (std::size_t size = 0; size < 1400; size += 7) {
-    attacker.send_raw(std::vector<std::uint8_t>(size, 0x55), server.rpc.udp_port());
+    attacker.send_raw(std::vector<std::uint8_t>(size, 0x55), server.udp_port());
   }
   caught.back() ^= 1U;
   caught[15] = 0xF0;  // a number of its own
-  for (int i = 0; i < 200; ++i) attacker.send_raw(caught, server.rpc.udp_port());
+  for (int i = 0; i < 200; ++i) attacker.send_raw(caught, server.udp_port());
   // Behind all of it in the same socket:
   ASSERT_TRUE(alice.udp->send(proxy_sample(2, 0.006)));
   ASSERT_TRUE(eventually([&] { return alice.session.ack().accepted() == 2; }));
@@ -263,7 +263,7 @@ TEST(UdpService, AnEndedSessionsPathIsUnknown) {
   const auto knock = [&](const UdpSocket& socket) {
     TestEnd late(wire::End::kClient, keys);
     socket.send(late.seal(wire::DatagramType::kPathChallenge, std::string(40, 't')),
-                server.rpc.udp_port());
+                server.udp_port());
   };
   // The path goes with the session, at the latest when gRPC has let go of the stream.
   const UdpSocket first, second;
@@ -272,7 +272,7 @@ TEST(UdpService, AnEndedSessionsPathIsUnknown) {
     return dropped("UNKNOWN_PATH") > 0;
   }));
   for (int i = 0; i < 20; ++i) knock(second);
-  second.send(ByteVector(40), server.rpc.udp_port());  // the last in the server's socket
+  second.send(ByteVector(40), server.udp_port());  // the last in the server's socket
   ASSERT_TRUE(eventually([&] { return dropped("MAGIC") == 1; }));
   EXPECT_GT(dropped("UNKNOWN_PATH"), 20U);
   ByteVector answer(2048);

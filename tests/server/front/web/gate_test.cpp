@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "haptic/core/error.hpp"
+#include "server/owner/link/hand_over.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace haptic::server {
@@ -28,7 +29,15 @@ class GateTest : public testing::Test {
     file_.write(text);
     fs::permissions(file_.path(), fs::perms::owner_read | fs::perms::owner_write);
   }
-  [[nodiscard]] Gate gate() const { return {config_, {"127.0.0.1", "localhost", "lab.example"}}; }
+  /// The owner opens them so for a front.
+  [[nodiscard]] std::vector<Descriptor> token_files() const {
+    FrontConfig config;
+    config.web = config_;
+    return open_files(config, {});
+  }
+  [[nodiscard]] Gate gate() const {
+    return {config_, token_files(), {"127.0.0.1", "localhost", "lab.example"}};
+  }
   [[nodiscard]] static Visitor at(std::string_view host, std::string_view origin = {}) {
     Visitor visitor;
     visitor.host = host;
@@ -132,7 +141,8 @@ TEST_F(GateTest, PrintedTokenWorksOnce) {
 }
 
 TEST_F(GateTest, CookiesOfTwoServersDiffer) {
-  Gate one(config_, {"localhost"}, "1"), other(config_, {"localhost"}, "2");
+  Gate one(config_, token_files(), {"localhost"}, "1");
+  Gate other(config_, token_files(), {"localhost"}, "2");
   const std::string both = one.cookie() + "=" + *one.redeem(std::string(one.one_time())) + "; " +
                            other.cookie() + "=" + *other.redeem(std::string(other.one_time()));
   Visitor visitor;

@@ -5,7 +5,10 @@
 #include <sys/wait.h>
 
 #include <csignal>
+#include <filesystem>
 #include <string>
+
+#include "tests/support/temporary_file.hpp"
 
 namespace {
 
@@ -20,9 +23,22 @@ std::optional<Notice> wait_for(Launcher& launcher) {
   return launcher.next();
 }
 
+/// A program of one line of shell.
+class Script {
+ public:
+  explicit Script(const std::string& line) : file_("#!/bin/sh\n" + line + "\n", "front") {
+    std::filesystem::permissions(file_.path(), std::filesystem::perms::owner_all);
+  }
+  [[nodiscard]] std::filesystem::path path() const { return file_.path(); }
+
+ private:
+  haptic::test::TemporaryFile file_;
+};
+
 /// Message of a shell script that runs as a front, on its link.
 std::string told_by(const std::string& script, std::optional<int> loop_cpu = {}) {
-  Launcher launcher("/bin/sh", {"-c", "exec >&3; " + script}, {64U << 20U, 0, 5, loop_cpu});
+  const Script program("exec >&3; " + script);
+  Launcher launcher(program.path(), {64U << 20U, 0, 5, loop_cpu});
   auto [here, there] = packet_pair();
   launcher.start(std::move(there));
   while (const auto notice = wait_for(launcher)) {
@@ -37,7 +53,8 @@ std::string told_by(const std::string& script, std::optional<int> loop_cpu = {})
 }
 
 TEST(Launcher, TellsHowAFrontEnded) {
-  Launcher launcher("/bin/sh", {"-c", "exit 7"}, {});
+  const Script program("exit 7");
+  Launcher launcher(program.path(), {});
   auto [here, there] = packet_pair();
   launcher.start(std::move(there));
   const auto started = wait_for(launcher);
@@ -51,7 +68,8 @@ TEST(Launcher, TellsHowAFrontEnded) {
 }
 
 TEST(Launcher, EndsAFrontThatHangs) {
-  Launcher launcher("/bin/sleep", {"1000"}, {});
+  const Script program("exec sleep 1000");
+  Launcher launcher(program.path(), {});
   auto [here, there] = packet_pair();
   launcher.start(std::move(there));
   const auto started = wait_for(launcher);
@@ -66,7 +84,8 @@ TEST(Launcher, EndsAFrontThatHangs) {
 TEST(Launcher, FrontsEndWithIt) {
   pid_t front = 0;
   {
-    Launcher launcher("/bin/sleep", {"1000"}, {});
+    const Script program("exec sleep 1000");
+    Launcher launcher(program.path(), {});
     auto [here, there] = packet_pair();
     launcher.start(std::move(there));
     const auto started = wait_for(launcher);
@@ -78,7 +97,8 @@ TEST(Launcher, FrontsEndWithIt) {
 }
 
 TEST(Launcher, OnlyFrontsAreKilled) {
-  Launcher launcher("/bin/sleep", {"1000"}, {});
+  const Script program("exec sleep 1000");
+  Launcher launcher(program.path(), {});
   launcher.kill(getpid());  // no child of the launcher
   auto [here, there] = packet_pair();
   launcher.start(std::move(there));

@@ -1,15 +1,8 @@
 #pragma once
-/// Configuration of a front's service.
-
-#include <optional>
-#include <string>
-#include <vector>
+/// Bounds of a front's service.
 
 #include "haptic/core/time.hpp"
-#include "haptic/wire/ports.hpp"
 #include "server/base/steady_now.hpp"
-#include "server/crossing/tls_config.hpp"
-#include "server/crossing/web_config.hpp"
 #include "server/front/net/connections.hpp"
 
 namespace haptic::server {
@@ -29,31 +22,17 @@ struct KeepAlive {
   }
 };
 
-struct ServiceConfig {
-  /// "host:port" (port 0: any free one) or "unix:/path". Without TLS only loopback and UNIX
-  /// sockets, unless `insecure_lab`.
-  std::vector<std::string> listen{wire::kDefaultServer};
-  /// Session streams; and, apart from them, watches.
-  unsigned max_sessions{32};
-  core::Duration period{std::chrono::milliseconds(1)};  ///< of the loop
+/// Bounds of the service beyond those that the scene says.
+struct ServiceLimits {
   /// States per second that all streams but the controllers' may cost together, an equal share per
   /// device; what is above is conflated, in turns. Measured on a shared 2-core VM: 16 watchers at 1
   /// kHz cost 6 % of a core per 4000 states/s, and the controller's proxy age does not move; 8000
   /// leaves a slower host room.
   unsigned watch_budget_hz{8000};
-  /// Address of the UDP path, "host:port"; beyond loopback as `listen`. Empty: there is none.
-  std::string udp_listen{};
-  std::optional<WebConfig> web{};  ///< absent: no browsers
-  /// "host:port" of /metrics alone, in plain text. Empty: there is none.
-  std::string metrics_listen{};
   ArrivalClock clock{steady_arrival};  ///< stamps what arrives, whatever carries it
   /// A sample may be older than its arrival, by its source time. Off in a test whose clock is no
   /// steady one: it does not run as the clients' do.
   bool age_by_source_time{true};
-  std::optional<TlsConfig> tls{};  ///< absent: plain text
-  /// Plain text, and the keys of the UDP path in it, on any address. Said in the log and in
-  /// GetServerInfo.
-  bool insecure_lab{false};
   /// A session stream has to send its OpenSession by then.
   core::Duration open_within{std::chrono::seconds(5)};
   KeepAlive keep_alive{};  ///< of connections whose far end is gone without a word

@@ -1,0 +1,127 @@
+// Files and sockets that the owner opens for its fronts.
+#include "server/owner/link/hand_over.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+
+#include "haptic/core/error.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace haptic::server {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// Words of the refusal of what `act` does; empty: it is not refused.
+template <typename Act>
+std::string refusal(const Act& act) {
+  try {
+    act();
+  } catch (const core::TransportError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+class NamedFileTest : public testing::Test {
+ protected:
+  NamedFileTest() { fs::permissions(file_.path(), fs::perms::owner_read | fs::perms::owner_write); }
+  /// Opens `file` as a token.
+  [[nodiscard]] std::string opened(const fs::path& file) const {
+    FrontConfig config;
+    config.web = WebConfig{};
+    config.web->tokens = {{"unity", file, {}}};
+    return refusal([&] { EXPECT_EQ(open_files(config, "/no/page").size(), 2U); });
+  }
+
+  const test::TemporaryFile file_{"0123456789abcdef\n", "unity.token"};
+  const test::ScratchFolder folder_{};
+};
+
+TEST_F(NamedFileTest, OpensPlainFilesAndLinks) {
+  EXPECT_EQ(opened(file_.path()), "");
+  const fs::path link = folder_.path() / "link";  // as certbot's are
+  fs::create_symlink(file_.path(), link);
+  EXPECT_EQ(opened(link), "");
+}
+
+TEST_F(NamedFileTest, AFifoIsRefusedWithoutWaiting) {
+  const fs::path fifo = folder_.path() / "fifo";
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_THAT(opened(fifo), HasSubstr("must be a plain file"));
+  EXPECT_THAT(opened(fifo), HasSubstr("server.web.token 'unity': file = '" + fifo.string() + "'"));
+}
+
+TEST_F(NamedFileTest, FoldersDevicesAndNothingAreRefused) {
+  EXPECT_THAT(opened(folder_.path()), HasSubstr("must be a plain file"));
+  EXPECT_THAT(opened("/dev/zero"), HasSubstr("must be a plain file"));
+  EXPECT_THAT(opened(folder_.path() / "none"), HasSubstr("cannot be read"));
+}
+
+TEST_F(NamedFileTest, ALargeFileIsRefused) {
+  fs::resize_file(file_.path(), (1 << 20) + 1);
+  EXPECT_THAT(opened(file_.path()), HasSubstr("has more than 1 MB"));
+}
+
+TEST_F(NamedFileTest, AnotherUsersSecretIsRefused) {
+  if (geteuid() != 0) GTEST_SKIP() << "to give a file away needs root";
+  ASSERT_EQ(chown(file_.path().c_str(), 65534, 65534), 0);
+  EXPECT_THAT(opened(file_.path()), HasSubstr("belongs to user 65534"));
+}
+
+TEST_F(NamedFileTest, OpenSecretsAreRefused) {
+  for (const int mode : {0644, 0604, 0602, 0620}) {
+    fs::permissions(file_.path(), static_cast<fs::perms>(mode));
+    EXPECT_THAT(opened(file_.path()), HasSubstr("chmod 600")) << std::oct << mode;
+  }
+  fs::permissions(file_.path(), static_cast<fs::perms>(0640));
+  EXPECT_EQ(opened(file_.path()), "");
+}
+
+TEST(HandOver, FrontsGetTheSameListeningSockets) {
+  const ServerScene scene{.listen = {"127.0.0.1:0"}, .udp_listen = "127.0.0.1:0"};
+  const HandOver hand_over(front_config(scene, false), scene, "/no/page");
+  const auto port = [](const Descriptor& socket) {
+    sockaddr_storage name{};
+    socklen_t size = sizeof name;
+    EXPECT_EQ(getsockname(socket.get(), reinterpret_cast<sockaddr*>(&name), &size), 0);
+    std::uint16_t number = 0;  // at the same place in every family
+    std::memcpy(&number, reinterpret_cast<const char*>(&name) + 2, sizeof number);
+    return number;
+  };
+  const FrontStart first = hand_over.start(), second = hand_over.start();
+  ASSERT_EQ(first.sockets.size(), sockets_of(first.config));
+  ASSERT_EQ(first.sockets.size(), 2U);
+  int listens = 0;
+  socklen_t size = sizeof listens;
+  getsockopt(first.sockets[0].get(), SOL_SOCKET, SO_ACCEPTCONN, &listens, &size);
+  EXPECT_EQ(listens, 1);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NE(port(first.sockets[i]), 0);
+    EXPECT_EQ(port(first.sockets[i]), port(second.sockets[i]));
+  }
+  // Nobody takes the port while no front has it.
+  EXPECT_THAT(refusal([&] { const Listeners other({.listen = hand_over.addresses()}, false); }),
+              HasSubstr("in use"));
+}
+
+TEST(HandOver, TooMuchIsRefused) {
+  FrontConfig config;
+  config.addresses = {{"127.0.0.1:1", FrontConfig::Use::kGrpc, Protection::kThisHost, 250}};
+  EXPECT_THAT(refusal([&] { static_cast<void>(to_memory(config)); }),
+              HasSubstr("254 descriptors: at most 253"));
+  config.addresses.clear();
+  config.devices = {{"hand", std::string(kLargestConfig, 'x'), {}, {}, 0}};
+  EXPECT_THAT(refusal([&] { static_cast<void>(to_memory(config)); }),
+              HasSubstr("bytes: at most 4194304"));
+}
+
+}  // namespace
+}  // namespace haptic::server

@@ -63,11 +63,11 @@ constexpr std::uint64_t layout() noexcept;
 template <typename T>
 constexpr std::uint64_t layout_of_fields() noexcept {
   static_assert(std::is_standard_layout_v<T>);
-  using Fields = decltype(fields_of(std::declval<T&>()));
+  using Types = decltype(fields_of(std::declval<T&>()));
   LayoutHash hash;
   std::size_t offset = 0;
   const auto add = [&]<std::size_t index>() {
-    using Field = std::remove_cvref_t<std::tuple_element_t<index, Fields>>;
+    using Field = std::remove_cvref_t<std::tuple_element_t<index, Types>>;
     offset = (offset + alignof(Field) - 1) / alignof(Field) * alignof(Field);
     hash.add(field_name<T, index>());
     hash.add(offset);
@@ -77,7 +77,7 @@ constexpr std::uint64_t layout_of_fields() noexcept {
   [&]<std::size_t... index>(std::index_sequence<index...>) {
     (add.template operator()<index>(), ...);
   }
-  (std::make_index_sequence<std::tuple_size_v<Fields>>());
+  (std::make_index_sequence<std::tuple_size_v<Types>>());
   return hash.value();
 }
 
@@ -121,11 +121,11 @@ constexpr bool any_bits() noexcept {
   } else if constexpr (std::is_same_v<T, Maybe<Inside>> || requires { T{}.front(); }) {
     return any_bits<Inside>();
   } else if constexpr (std::is_class_v<T> && std::is_aggregate_v<T>) {
-    using Fields = decltype(fields_of(std::declval<T&>()));
+    using Types = decltype(fields_of(std::declval<T&>()));
     return []<std::size_t... index>(std::index_sequence<index...>) {
-      return (any_bits<std::remove_cvref_t<std::tuple_element_t<index, Fields>>>() && ...);
+      return (any_bits<std::remove_cvref_t<std::tuple_element_t<index, Types>>>() && ...);
     }
-    (std::make_index_sequence<std::tuple_size_v<Fields>>());
+    (std::make_index_sequence<std::tuple_size_v<Types>>());
   }
   return false;
 }

@@ -13,6 +13,7 @@
 #include "tests/relay/matrix_table.hpp"
 #include "tests/relay/network_row.hpp"
 #include "tests/relay/presser.hpp"
+#include "tests/server/support/port_of.hpp"
 
 namespace haptic::test {
 namespace {
@@ -23,7 +24,7 @@ TEST(Flood, CountsEveryDatagramAndAnswersNone) {
   MatrixRow row("network/flood_counters",
                 "sent = counted by reason + dropped by the kernel; no reply");
   constexpr std::uint64_t kEach = 200'000;
-  server::UdpPort port("127.0.0.1:0");
+  server::UdpPort port(bound_udp("127.0.0.1:0"));
   const auto opened = port.open({}, 10ms);
   port.start();
   const auto counted = [&](wire::Rejection why) {

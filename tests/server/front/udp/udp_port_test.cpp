@@ -1,7 +1,6 @@
 /// The port alone: true times of arrival, counters by reason, new keys.
 
 #include "server/front/udp/udp_port.hpp"
-#include "server/owner/link/listeners.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,6 +10,7 @@
 #include "server/front/udp/udp_socket.hpp"
 #include "tests/proto/wire/channel_pair.hpp"
 #include "tests/server/support/live_server.hpp"
+#include "tests/server/support/port_of.hpp"
 #include "tests/support/udp_end.hpp"
 
 namespace haptic::test {
@@ -61,15 +61,10 @@ std::string sample(std::uint64_t seq) {
   return message.SerializeAsString();
 }
 
-server::Descriptor bound(const std::string& udp_listen) {
-  const server::Listeners listeners({.listen = {"127.0.0.1:0"}, .udp_listen = udp_listen}, false);
-  return std::move(listeners.sockets().back());
-}
-
 class UdpPortTest : public testing::Test {
  protected:
   std::shared_ptr<RecordingSink> sink = std::make_shared<RecordingSink>();
-  server::UdpPort port{bound("127.0.0.1:0")};
+  server::UdpPort port{bound_udp("127.0.0.1:0")};
   server::UdpPort::Opened opened = port.open(sink, 10ms);
   /// Bytes to the port, from a socket that nobody answers.
   UdpEnd sender{wire::End::kServer, wire::fresh_keys()};
@@ -220,10 +215,10 @@ TEST_F(UdpPortTest, ClosedPathIsUnknownAndReported) {
 }
 
 TEST(UdpPort, NamesAnAddressItCannotBind) {
-  const server::UdpPort first(bound("127.0.0.1:0"));
+  const server::UdpPort first(bound_udp("127.0.0.1:0"));
   const std::string taken = "127.0.0.1:" + std::to_string(first.port());
   try {
-    static_cast<void>(bound(taken));
+    static_cast<void>(bound_udp(taken));
     FAIL() << "bound twice";
   } catch (const std::exception& error) {
     EXPECT_NE(std::string(error.what()).find(taken), std::string::npos);

@@ -9,6 +9,7 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
 #include "haptic/core/model/stylus.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace haptic::hw {
 namespace {
@@ -29,33 +30,8 @@ std::shared_ptr<const core::Kinematics> linear(int n) {
 
 std::string error_of(const DeviceConfig& config,
                      std::shared_ptr<const core::Kinematics> kinematics) {
-  try {
-    static_cast<void>(config.open(std::move(kinematics), {}));
-  } catch (const core::DeviceError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-TEST(OpenDevice, OpensTheConfiguredDevice) {
-  const auto finger =
-      SimulatedFingerConfig{}.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
-  EXPECT_EQ(finger->info().kind, "simulated");
-  EXPECT_EQ(finger->info().dofs.size(), 2u);
-
-  SimulatedLinearConfig masses;
-  masses.mass = core::VecQ::Ones(3);
-  masses.max_effort = core::VecA::Constant(1, 5.0);
-  const auto linear_device = masses.open(linear(3), {});
-  EXPECT_EQ(linear_device->info().dofs.size(), 3u);
-  EXPECT_EQ(linear_device->info().limits.max_effort[0], 5.0);
-
-  ReplayConfig replay;
-  replay.file = HAPTIC_SOURCE_DIR "/server/scenes/motion/reach_and_grasp.csv";
-  replay.max_effort = core::VecA::Constant(1, 40.0);
-  const auto recording = replay.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
-  EXPECT_EQ(recording->info().kind, "replay");
-  EXPECT_THAT(recording->info().model, HasSubstr("0 row(s) outside the reach"));
+  return test::message_of<core::DeviceError>(
+      [&] { return config.open(std::move(kinematics), {}); });
 }
 
 TEST(OpenDevice, AFingerNeedsTheFingersKinematics) {

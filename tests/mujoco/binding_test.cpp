@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "tests/mujoco/mujoco_world.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace haptic::mujoco {
 namespace {
@@ -21,12 +22,8 @@ std::vector<client::VirtualCoordinate> named(const std::vector<std::string>& nam
 
 std::string complaint(const World& world, const std::vector<std::string>& names,
                       const std::vector<std::string>& joints = {}) {
-  try {
-    static_cast<void>(by_name(*world.m(), named(names), joints));
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+  return test::message_of<std::invalid_argument>(
+      [&] { return by_name(*world.m(), named(names), joints); });
 }
 
 TEST(Binding, NamesTellJointsPointsAndPoses) {

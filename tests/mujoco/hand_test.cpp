@@ -302,7 +302,7 @@ void hold(const Outfit& worn, std::size_t least_presses) {
       std::printf("%3.0f/s, %3.0f ms: %.2f N, off by %.2f %%, %.0f %% cannot be rendered\n", rate,
                   1e3 * delay, most, 100.0 * off / most, 100.0 * left);
       EXPECT_GT(most, 2.0);
-      EXPECT_LE(off, 0.05 * most);
+      EXPECT_LE(off, 0.02 * most);
       EXPECT_GE(hand.presses().size(), least_presses);
       EXPECT_LE(hand.loop.energy().most_net(), hand.tank());
     }

@@ -3,6 +3,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -10,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "haptic/client/planes.hpp"
 #include "haptic/mujoco/tool.hpp"
@@ -31,6 +33,16 @@ struct World {
   }
 
   [[nodiscard]] int id(int type, const char* name) const { return mj_name2id(m(), type, name); }
+  /// Sum of the contacts' normal forces, by MuJoCo, N.
+  [[nodiscard]] double force() const {
+    double sum = 0.0;
+    for (int i = 0; i < d()->ncon; ++i) {
+      mjtNum one[6] = {};
+      if (d()->contact[i].efc_address >= 0) mj_contactForce(m(), d(), i, one);
+      sum += one[0];
+    }
+    return sum;
+  }
   [[nodiscard]] mjModel* m() const { return model.get(); }
   [[nodiscard]] mjData* d() const { return data.get(); }
 
@@ -62,6 +74,28 @@ inline std::string slider_model(const std::string& objects, const std::string& o
 inline const std::string kSoftWall =
     R"(<geom name="wall" type="plane" pos="0.03 0 0" zaxis="-1 0 0" size="1 1 1"
              solref="-12500 -50" solimp="0.5 0.5 0.001"/>)";
+
+/// A spring of a tool on that slide, N/m.
+inline constexpr double kCoupling = 1500.0;
+
+/// A model and its tool, which nothing but a test moves, at 60 samples/s.
+struct Held {
+  explicit Held(const std::string& mjcf, const std::vector<Binding>& bindings = {joint("x", 0)},
+                const ToolOptions& options = {.coupling = kCoupling})
+      : world(mjcf), tool(world.m(), world.d(), bindings, options) {}
+  /// Returns the last of the samples.
+  client::Proxy hold(const std::vector<double>& probe, int samples = 60, int delay_ms = 0) {
+    client::Proxy proxy;
+    for (int i = 0; i < samples; ++i) {
+      proxy = tool.step(probe, 1.0 / 60.0, std::chrono::milliseconds(delay_ms));
+    }
+    return proxy;
+  }
+  [[nodiscard]] double force() const { return world.force(); }
+
+  World world;
+  Tool tool;
+};
 
 /// For how long a test holds an object: `usual` s, or HAPTIC_HOLD_S.
 inline double hold_seconds(double usual) {

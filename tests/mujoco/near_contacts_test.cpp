@@ -22,9 +22,21 @@ struct Still {
              {.coupling = 1e-3}),
         contacts(tool),
         rate(static_cast<std::size_t>(world.m()->nv), 0.0) {
+    look_ahead(1.0);
+  }
+  /// Contacts are told from so far away on, m, without force.
+  void look_ahead(double margin) {
     for (int geom = 0; geom < world.m()->ngeom; ++geom) {
-      world.m()->geom_margin[geom] = world.m()->geom_gap[geom] = 1.0;
+      world.m()->geom_margin[geom] = world.m()->geom_gap[geom] = margin;
     }
+  }
+  /// Lets what lies around come to rest in 3 s, with what touches it alone; then the tool looks 1 m
+  /// ahead.
+  void settle() {
+    look_ahead(0.0);
+    for (int i = 0; i < 3000; ++i) mj_step(world.m(), world.d());
+    const int tip = world.id(mjOBJ_GEOM, "tip");
+    world.m()->geom_margin[tip] = world.m()->geom_gap[tip] = 1.0;
   }
   std::vector<NearContact> find() {
     mj_forward(world.m(), world.d());
@@ -81,29 +93,23 @@ void compare(Still& still, double way, double third) {
   std::copy(qpos.begin(), qpos.end(), still.world.d()->qpos);
 }
 
-const std::string kExample = std::string(HAPTIC_SOURCE_DIR) + "/client/mujoco/examples/finger.xml";
-
 TEST(NearContacts, FingersGapsToSecondOrder) {
-  Still still(World::of_file(kExample), {joint("q_o1_mcp", 0), joint("q_o2_pip", 1)});
-  still.world.d()->qpos[0] = 0.4;
-  still.world.d()->qpos[1] = 0.5;
-  const auto found = still.find();
-  const auto to_ball = [&](const NearContact& near) { return near.contact.mass == 0.0; };
-  EXPECT_GE(std::count_if(found.begin(), found.end(), to_ball), 2);
-  // The ball alone: a box' edges turn the normal beyond the second order.
-  still.world.m()->geom_contype[still.world.id(mjOBJ_GEOM, "box")] = 0;
-  still.world.m()->geom_conaffinity[still.world.id(mjOBJ_GEOM, "box")] = 0;
-  compare(still, 1e-3, 50.0);
-}
-
-TEST(NearContacts, SignsAndOrderOfJointsCount) {
-  Still still(World::of_file(kExample),
-              {joint("q_o1_mcp", 3, -2.0, 0.1), joint("q_o2_pip", 1, 0.5)});
-  still.world.d()->qpos[0] = 0.4;
-  still.world.d()->qpos[1] = 0.5;
-  still.world.m()->geom_contype[still.world.id(mjOBJ_GEOM, "box")] = 0;
-  still.world.m()->geom_conaffinity[still.world.id(mjOBJ_GEOM, "box")] = 0;
-  compare(still, 1e-3, 50.0);
+  // Joints as they are, and with other signs, scales, offsets and places.
+  const std::vector<Binding> as_named{joint("q_o1_mcp", 0), joint("q_o2_pip", 1)};
+  const std::vector<Binding> scaled{joint("q_o1_mcp", 3, -2.0, 0.1), joint("q_o2_pip", 1, 0.5)};
+  for (const auto& bindings : {as_named, scaled}) {
+    SCOPED_TRACE("first coordinate " + std::to_string(bindings.front().first_coordinate));
+    Still still(
+        World::of_file(std::string(HAPTIC_SOURCE_DIR) + "/client/mujoco/examples/finger.xml"),
+        bindings);
+    still.world.d()->qpos[0] = 0.4;
+    still.world.d()->qpos[1] = 0.5;
+    // The ball alone: a box' edges turn the normal beyond the second order.
+    const int box = still.world.id(mjOBJ_GEOM, "box");
+    still.world.m()->geom_contype[box] = still.world.m()->geom_conaffinity[box] = 0;
+    EXPECT_GE(still.find().size(), 2u);
+    compare(still, 1e-3, 50.0);
+  }
 }
 
 constexpr const char* kPoseObjects[] = {
@@ -243,14 +249,8 @@ std::string block(const std::string& friction) {
 client::Contact block_at_rest(const std::string& cone, const std::string& friction) {
   Still still(slider_model(block(friction), "cone=\"" + cone + '"'), {joint("x", 0)});
   still.world.m()->opt.gravity[2] = -9.81;
-  for (int geom = 0; geom < still.world.m()->ngeom; ++geom) {
-    still.world.m()->geom_margin[geom] = still.world.m()->geom_gap[geom] = 0.0;
-  }
-  for (int i = 0; i < 3000; ++i) mj_step(still.world.m(), still.world.d());
-  const int tip = still.world.id(mjOBJ_GEOM, "tip");
-  still.world.m()->geom_margin[tip] = still.world.m()->geom_gap[tip] = 1.0;
-  const auto found = still.find();
-  for (const NearContact& near : found) {
+  still.settle();
+  for (const NearContact& near : still.find()) {
     if (near.contact.mass > 0.0) return near.contact;
   }
   return {};
@@ -276,13 +276,8 @@ TEST(NearContacts, ObjectsBehindGiveWayTogether) {
       <geom type="sphere" size="0.0199" mass="0.1")" +
                            stiff + "/></body>"),
               {joint("x", 0)});
-  for (int geom = 0; geom < still.world.m()->ngeom; ++geom) {
-    still.world.m()->geom_margin[geom] = still.world.m()->geom_gap[geom] = 0.0;
-  }
   still.world.d()->qfrc_applied[1] = 1.0;
-  for (int i = 0; i < 3000; ++i) mj_step(still.world.m(), still.world.d());
-  const int tip = still.world.id(mjOBJ_GEOM, "tip");
-  still.world.m()->geom_margin[tip] = still.world.m()->geom_gap[tip] = 1.0;
+  still.settle();
   const auto found = still.find();
   const auto block = std::find_if(found.begin(), found.end(),
                                   [](const NearContact& near) { return near.contact.gap < 0.03; });

@@ -7,16 +7,14 @@
 namespace haptic::mujoco {
 namespace {
 
-constexpr double kSpring = 1500.0;  // of the coupling, N/m
-
 /// Force that the device is told to feel, N.
 double told(const client::Proxy& proxy, double probe) {
-  return proxy.position.empty() ? 0.0 : kSpring * std::abs(proxy.position[0] - probe);
+  return proxy.position.empty() ? 0.0 : kCoupling * std::abs(proxy.position[0] - probe);
 }
 
-struct Slid {
-  Slid() : world(slider_model(kSoftWall)) {
-    for (int i = 0; i < 60; ++i) static_cast<void>(tool.step({0.0}, 1.0 / 60.0));
+struct Slid : Held {
+  Slid() : Held(slider_model(kSoftWall)) {
+    hold({0.0});
     EXPECT_TRUE(tool.following());
   }
   /// The largest force of 2 s at 1 kHz, after which the tool must follow.
@@ -28,26 +26,7 @@ struct Slid {
     EXPECT_TRUE(tool.following());
     return most;
   }
-  World world;
-  Tool tool{world.m(), world.d(), {joint("x", 0)}, {.coupling = kSpring}};
 };
-
-TEST(Restart, ResetIsALateJoin) {
-  World world(slider_model(kSoftWall));
-  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kSpring});
-  const auto force = [&] {
-    mjtNum one[6] = {};
-    for (int i = 0; i < 60; ++i) static_cast<void>(tool.step({0.030}, 1.0 / 60.0));
-    mj_contactForce(world.m(), world.d(), 0, one);
-    return one[0];
-  };
-  const double before = force();
-  EXPECT_GT(before, 2.0);
-  mj_resetData(world.m(), world.d());
-  EXPECT_EQ(tool.step({0.060}, 1.0 / 60.0).mode, client::Mode::kFree);
-  EXPECT_FALSE(tool.following());
-  EXPECT_NEAR(force(), before, 1e-3 * before);
-}
 
 TEST(Restart, KeyOfAnyTimeIsOne) {
   for (const double time : {0.0, 0.9, 1.1, 100.0}) {
@@ -76,10 +55,10 @@ TEST(Restart, PairsInsideAreSaidOnce) {
   warnings = &said;
   World apart(slider_model(kSoftWall)), inside(slider_model(kSoftWall));
   mju_user_warning = [](const char* text) { warnings->emplace_back(text); };
-  Tool outside(apart.m(), apart.d(), {joint("x", 0)}, {.coupling = kSpring});
+  Tool outside(apart.m(), apart.d(), {joint("x", 0)}, {.coupling = kCoupling});
   EXPECT_TRUE(said.empty());
   inside.d()->qpos[0] = 0.10;
-  Tool tool(inside.m(), inside.d(), {joint("x", 0)}, {.coupling = kSpring});
+  Tool tool(inside.m(), inside.d(), {joint("x", 0)}, {.coupling = kCoupling});
   tool.restart();
   mju_user_warning = nullptr;
   ASSERT_EQ(said.size(), 1u);
@@ -90,14 +69,14 @@ TEST(Restart, PairsInsideAreSaidOnce) {
 TEST(Restart, BadStateIsALateJoin) {
   for (const int bad : {0, 7, 15}) {
     SCOPED_TRACE(bad);
-    World world(slider_model(
+    Held held(slider_model(
         R"(<geom type="box" pos="-0.05 0 0" size="0.005 0.1 0.1" solref="-12500 -50"
              solimp="0.5 0.5 0.001"/>)"));
-    Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kSpring});
-    for (int i = 0; i < 60; ++i) static_cast<void>(tool.step({0.0}, 1.0 / 60.0));
+    auto& [world, tool] = held;
+    held.hold({0.0});
     world.d()->qpos[0] = -0.10;
     tool.restart();
-    for (int i = 0; i < 60; ++i) static_cast<void>(tool.step({-0.10}, 1.0 / 60.0));
+    held.hold({-0.10});
     ASSERT_TRUE(tool.following());
     tool.aim({-0.10}, 16);
     for (int k = 0; k < 16; ++k) {
@@ -119,8 +98,8 @@ TEST(Restart, BadStateIsALateJoin) {
 }
 
 TEST(Restart, BadStateInTheFirstStep) {
-  World world(slider_model(kSoftWall));
-  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kSpring});
+  Held held(slider_model(kSoftWall));
+  auto& [world, tool] = held;
   world.d()->qpos[0] = 0.10;
   tool.restart();
   tool.aim({0.10}, 1);
@@ -133,24 +112,21 @@ TEST(Restart, BadStateInTheFirstStep) {
 }
 
 TEST(Restart, PosesWithoutATurnPassBy) {
-  World world(R"(<mujoco><option timestep="0.001" gravity="0 0 0"/><worldbody>
+  Held held(R"(<mujoco><option timestep="0.001" gravity="0 0 0"/><worldbody>
     <geom type="plane" pos="0 0 -0.05" size="1 1 1"/>
     <body name="pen"><freejoint/><geom type="sphere" size="0.03" mass="0.3"/></body>
-  </worldbody></mujoco>)");
-  Tool tool(world.m(), world.d(), {pose("pen", 0)}, {.coupling = 20.0});
-  const auto after = [&](const std::vector<double>& probe) {
-    client::Proxy proxy;
-    for (int i = 0; i < 30; ++i) proxy = tool.step(probe, 1.0 / 60.0);
-    return proxy;
-  };
+  </worldbody></mujoco>)",
+            {pose("pen", 0)}, {.coupling = 20.0});
+  const auto after = [&](const std::vector<double>& probe) { return held.hold(probe, 30); };
+  const mjData* const data = held.world.d();
   for (const double part : {0.0, 9e-4, 1e-320, 1.7e308}) {
     SCOPED_TRACE(part);
     EXPECT_EQ(after({0, 0, -0.03, 0, 0, 0, 1}).planes.size(), 1u);
     EXPECT_EQ(after({0, 0, 0, 0, part > 1.0 ? part : 0.0, 0, part}).mode, client::Mode::kFree);
-    EXPECT_LT(world.d()->qpos[2], -0.01) << "it stays";
+    EXPECT_LT(data->qpos[2], -0.01) << "it stays";
   }
   EXPECT_EQ(after({0, 0, -0.03, 0, 0, 0, 2e-3}).planes.size(), 1u) << "short, but a turn";
-  EXPECT_EQ(world.d()->warning[mjWARN_BADQACC].number, 0);
+  EXPECT_EQ(data->warning[mjWARN_BADQACC].number, 0);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "haptic/core/model/linear.hpp"
 #include "tests/mujoco/mujoco_world.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace haptic::mujoco {
 namespace {
@@ -14,8 +15,6 @@ namespace {
 using core::VecA;
 using core::VecQ;
 using core::VecX;
-
-constexpr double kStiffness = 1500.0;  // of the device and of the coupling, N/m
 
 core::PipelineConfig slider_config() {
   core::LinearMap map{.dofs = {{"l", core::Unit::kMetre, true, -0.2, 0.2}},
@@ -26,7 +25,7 @@ core::PipelineConfig slider_config() {
   c.device.q_lower = VecQ::Constant(1, -1.0);
   c.device.q_upper = VecQ::Constant(1, 1.0);
   c.device.max_effort = VecA::Constant(1, 100.0);
-  c.scene.stiffness = VecA::Constant(1, kStiffness);
+  c.scene.stiffness = VecA::Constant(1, kCoupling);
   c.scene.damping = VecA::Zero(1);
   c.scene.force_limit = VecA::Constant(1, 60.0);
   c.scene.slew_limit = VecA::Constant(1, 1e7);
@@ -34,22 +33,10 @@ core::PipelineConfig slider_config() {
   return c;
 }
 
-/// The force of the tool's only contact, by MuJoCo, N.
-double engine_force(const World& world) {
-  double sum = 0.0;
-  for (int i = 0; i < world.d()->ncon; ++i) {
-    mjtNum force[6] = {};
-    if (world.d()->contact[i].efc_address >= 0) mj_contactForce(world.m(), world.d(), i, force);
-    sum += force[0];
-  }
-  return sum;
-}
-
 /// A device that a hand moves along `way(t)`, m.
-struct Slider {
+struct Slider : Held {
   Slider(const std::string& objects, double rate_hz, double delay_s)
-      : world(slider_model(objects)),
-        tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness}),
+      : Held(slider_model(objects)),
         loop(slider_config(), told_by(tool, rate_hz, delay_s, 1), 2.0) {}
   const core::TickRecord& at(double q) { return loop.tick(VecQ::Constant(1, q)); }
   /// Goes from `a` to `b` in `seconds`; returns the largest force outside `wall`.
@@ -69,23 +56,22 @@ struct Slider {
     go(q, q, 0.3);
     loop.require_engaged();
   }
-  World world;
-  Tool tool;
   test::PipelineLoop loop;
 };
 
 /// Both slides are along x: what pulls the pen pulls its carriage as much, in every step.
 TEST(Tool, CarriersFeelOneStepsPull) {
-  World world(R"(<mujoco><option timestep="0.001" gravity="0 0 0"/><worldbody>
+  Held held(R"(<mujoco><option timestep="0.001" gravity="0 0 0"/><worldbody>
     <body name="carriage"><joint name="slow" type="slide" axis="1 0 0"/>
       <geom type="sphere" size="0.02" mass="5"/>
       <body name="pen"><joint name="x" type="slide" axis="1 0 0"/>
         <geom type="sphere" size="0.01" mass="0.1"/></body></body>
-  </worldbody></mujoco>)");
-  Tool tool(world.m(), world.d(), {point("pen", 0)}, {.coupling = kStiffness});
+  </worldbody></mujoco>)",
+            {point("pen", 0)});
+  const World& world = held.world;
   const mjtNum* const applied = world.d()->qfrc_applied;
   for (int i = 0; i < 100; ++i) {
-    static_cast<void>(tool.step({0.01, 0.0, 0.0}, 1.0 / 60.0));
+    held.hold({0.01, 0.0, 0.0}, 1);
     ASSERT_DOUBLE_EQ(applied[world.m()->jnt_dofadr[world.id(mjOBJ_JOINT, "slow")]],
                      applied[world.m()->jnt_dofadr[world.id(mjOBJ_JOINT, "x")]]);
   }
@@ -100,7 +86,7 @@ TEST(Tool, HeldForceIsMujocos) {
       run.engage(0.0);
       EXPECT_EQ(run.go(0.0, 0.030, 1.0, 0.0195), 0.0);
       run.go(0.030, 0.030, 1.0);
-      const double engine = engine_force(run.world);
+      const double engine = run.force();
       EXPECT_GT(engine, 2.0);
       EXPECT_NEAR(-run.loop.tau(), engine, 0.01 * engine);
       run.go(0.030, 0.0, 1.0);
@@ -183,7 +169,7 @@ TEST(Tool, ForceReturnsByARamp) {
       int begun = 0;
       for (int k = 1; k <= 1500; ++k) {
         run.at(0.045);
-        most = std::max(most, engine_force(run.world));
+        most = std::max(most, run.force());
         if (begun == 0 && run.loop.tau() < 0.0) begun = k;
         if (begun == 0) continue;
         // Samples come every 17 ms, each with its share.
@@ -198,47 +184,46 @@ TEST(Tool, ForceReturnsByARamp) {
 
 /// A client that waited in a debugger: the probe is elsewhere when it goes on.
 TEST(Tool, PauseBringsTheToolBackSlowly) {
-  World world(slider_model(kSoftWall));
-  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness});
-  for (int i = 0; i < 20; ++i) static_cast<void>(tool.step({-0.1}, 1.0 / 60.0));
-  EXPECT_TRUE(tool.following());
-  double before = world.d()->qpos[0], fastest = 0.0;
+  Held held(slider_model(kSoftWall));
+  held.hold({-0.1}, 20);
+  EXPECT_TRUE(held.tool.following());
+  const mjtNum& place = held.world.d()->qpos[0];
+  double before = place, fastest = 0.0;
   int samples = 0;
   for (; samples < 100; ++samples) {
-    const client::Proxy proxy = tool.step({0.030}, 1.0 / 60.0);
-    fastest = std::max(fastest, 60.0 * (world.d()->qpos[0] - before));
-    before = world.d()->qpos[0];
-    if (tool.following()) break;
+    const client::Proxy proxy = held.hold({0.030}, 1);
+    fastest = std::max(fastest, 60.0 * (place - before));
+    before = place;
+    if (held.tool.following()) break;
     EXPECT_EQ(proxy.mode, client::Mode::kFree);
   }
   EXPECT_NEAR(samples / 60.0, 0.13 / 0.5, 0.05);
   EXPECT_LT(fastest, 0.6);
-  client::Proxy proxy;
-  for (int i = 0; i < 60; ++i) proxy = tool.step({0.030}, 1.0 / 60.0);
+  const client::Proxy proxy = held.hold({0.030});
   ASSERT_EQ(proxy.planes.size(), 1u);
-  EXPECT_GT(engine_force(world), 2.0);
-  EXPECT_NEAR(proxy.position[0], 0.030 - engine_force(world) / kStiffness, 1e-9);
+  EXPECT_GT(held.force(), 2.0);
+  EXPECT_NEAR(proxy.position[0], 0.030 - held.force() / kCoupling, 1e-9);
 }
 
 /// Held still, what is published is where the tool is: spring and metric of the wire are the same.
 TEST(Tool, PoseRestsWhereItIsPublished) {
-  World world(R"(<mujoco><option timestep="0.001"/><worldbody>
+  Held held(R"(<mujoco><option timestep="0.001"/><worldbody>
     <body name="pen" pos="0 0 0.1"><freejoint/>
       <geom type="capsule" fromto="0 0 0 0.06 0 0.01" size="0.01" mass="0.05" condim="1"/></body>
     <geom type="plane" size="1 1 1" condim="1" solref="-3000 -60" solimp="0.5 0.5 0.001"/>
-  </worldbody></mujoco>)");
-  Tool tool(world.m(), world.d(), {pose("pen", 1)},
+  </worldbody></mujoco>)",
+            {pose("pen", 1)},
             {.coupling = 400.0, .weights = {1, 1, 1, 1, 0.004, 0.004, 0.004, 0.004}});
   const std::vector<double> probe{7.0, 0.0, 0.0, 0.02, 0.1, -0.2, 0.05, -std::sqrt(0.9475)};
-  client::Proxy proxy;
-  for (int i = 0; i < 240; ++i) proxy = tool.step(probe, 1.0 / 60.0);
+  const client::Proxy proxy = held.hold(probe, 240);
+  const mjtNum* const qpos = held.world.d()->qpos;
   ASSERT_EQ(proxy.mode, client::Mode::kPlanes);
-  EXPECT_GT(engine_force(world), 0.2);
+  EXPECT_GT(held.force(), 0.2);
   EXPECT_EQ(proxy.position[0], 7.0) << "not bound";
   double turned = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(proxy.position[1 + k], world.d()->qpos[k], 2e-5);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(proxy.position[1 + k], qpos[k], 2e-5);
   for (std::size_t k = 0; k < 4; ++k) {
-    const double here = -world.d()->qpos[3 + (k + 1) % 4];  // as the probe has its sign
+    const double here = -qpos[3 + (k + 1) % 4];  // as the probe has its sign
     EXPECT_NEAR(proxy.position[4 + k], here, 1e-3);
     turned = std::max(turned, std::abs(proxy.position[4 + k] - probe[4 + k]));
   }
@@ -246,67 +231,62 @@ TEST(Tool, PoseRestsWhereItIsPublished) {
 }
 
 TEST(Tool, PointsRestWhereTheyArePublished) {
-  World world(R"(<mujoco><option timestep="0.001"/><worldbody>
+  Held held(R"(<mujoco><option timestep="0.001"/><worldbody>
     <body name="pad" pos="0 0 0.05"><joint type="slide" axis="1 0 0"/><joint type="slide"
       axis="0 1 0"/><joint type="slide" axis="0 0 1"/>
       <geom type="sphere" size="0.01" mass="0.02" condim="1"/></body>
-    <geom type="sphere" pos="0.01 0 0" size="0.03" condim="1"/></worldbody></mujoco>)");
-  Tool tool(world.m(), world.d(), {point("pad", 0)}, {.coupling = 500.0});
-  client::Proxy proxy;
-  for (int i = 0; i < 240; ++i) proxy = tool.step({0.015, 0.01, 0.030}, 1.0 / 60.0);
-  EXPECT_GT(engine_force(world), 0.5);
+    <geom type="sphere" pos="0.01 0 0" size="0.03" condim="1"/></worldbody></mujoco>)",
+            {point("pad", 0)}, {.coupling = 500.0});
+  const client::Proxy proxy = held.hold({0.015, 0.01, 0.030}, 240);
+  EXPECT_GT(held.force(), 0.5);
   for (int k = 0; k < 3; ++k) {
-    EXPECT_NEAR(proxy.position.at(k), world.d()->xpos[3 + k], 1e-5);
+    EXPECT_NEAR(proxy.position.at(k), held.world.d()->xpos[3 + k], 1e-5);
   }
 }
 
 TEST(Tool, FreeMotionIsTheProbe) {
-  World world(slider_model(R"(<body pos="0.1 0 0"><joint type="slide" axis="1 0 0"/>
-                              <geom type="sphere" size="0.01" mass="0.1"/></body>)"));
-  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness});
+  Held held(slider_model(R"(<body pos="0.1 0 0"><joint type="slide" axis="1 0 0"/>
+                            <geom type="sphere" size="0.01" mass="0.1"/></body>)"));
   double largest = 0.0, told = 0.0;
   for (int i = 0; i < 300; ++i) {
     const double probe = 0.04 * std::sin(i / 10.0);  // 0.24 m/s
-    const client::Proxy proxy = tool.step({probe}, 1.0 / 60.0, std::chrono::milliseconds(100));
+    const client::Proxy proxy = held.hold({probe}, 1, 100);
     for (const client::Plane& plane : proxy.planes) {
       EXPECT_EQ(proxy.position[0], probe);
       EXPECT_GT(plane.offset - plane.normal[0] * probe, 0.0);
       told = std::max(told, plane.offset - plane.normal[0] * probe);
     }
-    largest = std::max(largest, std::abs(world.d()->qpos[0] - probe));
+    largest = std::max(largest, std::abs(held.world.d()->qpos[0] - probe));
   }
   EXPECT_LT(largest, 0.001) << "the tool lags";
   EXPECT_GT(told, 0.040) << "told before it is touched";
 }
 
 TEST(Tool, OddProbesAreNotFollowed) {
-  World world(slider_model(kSoftWall));
-  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness});
+  Held held(slider_model(kSoftWall));
   for (const std::vector<double>& odd :
        {std::vector<double>{}, {std::nan("")}, {HUGE_VAL}, {1e300}}) {
-    EXPECT_EQ(tool.step(odd, 1.0 / 60.0).mode, client::Mode::kFree);
-    EXPECT_LT(std::abs(world.d()->qpos[0]), 1.0);
+    EXPECT_EQ(held.hold(odd, 1).mode, client::Mode::kFree);
+    EXPECT_LT(std::abs(held.world.d()->qpos[0]), 1.0);
   }
 }
 
 TEST(Tool, LimitsOfJointsDoNotHold) {
-  World world(R"(<mujoco><option gravity="0 0 -9.81"/><worldbody><body>
+  Held held(R"(<mujoco><option gravity="0 0 -9.81"/><worldbody><body>
     <joint name="x" type="slide" axis="0 0 1" limited="true" range="-0.01 0.01" stiffness="50"
-           damping="1"/><geom type="sphere" size="0.01" mass="0.1"/></body></worldbody></mujoco>)");
-  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = 300.0});
-  for (int i = 0; i < 120; ++i) static_cast<void>(tool.step({0.05}, 1.0 / 60.0));
-  EXPECT_NEAR(world.d()->qpos[0], 0.05, 1e-6) << "nor do weight, spring and friction of the joint";
+           damping="1"/><geom type="sphere" size="0.01" mass="0.1"/></body></worldbody></mujoco>)",
+            {joint("x", 0)}, {.coupling = 300.0});
+  held.hold({0.05}, 120);
+  EXPECT_NEAR(held.world.d()->qpos[0], 0.05, 1e-6)
+      << "nor do weight, spring and friction of the joint";
 }
 
 TEST(Tool, ForceBeginsWhereTheModelSays) {
-  World world(slider_model(
+  Held held(slider_model(
       R"(<geom type="box" pos="0.08 0 0" size="0.05 0.1 0.1" margin="0.004" gap="0.001"/>)"));
-  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness});
   for (const double probe : {0.0165, 0.0175}) {  // force from 3 mm on, x = 17 mm
-    client::Proxy proxy;
-    for (int i = 0; i < 60; ++i) proxy = tool.step({probe}, 1.0 / 60.0);
-    ASSERT_EQ(proxy.planes.size(), 1u);
-    EXPECT_EQ(engine_force(world) > 0.0, probe > 0.017) << probe;
+    ASSERT_EQ(held.hold({probe}).planes.size(), 1u);
+    EXPECT_EQ(held.force() > 0.0, probe > 0.017) << probe;
   }
 }
 
@@ -317,24 +297,11 @@ TEST(Tool, FullListNarrowsTheHorizon) {
                                                std::to_string(30 + i) + R"( 0"/>)");
   }
   model.insert(model.find("<default>"), R"(<size nconmax="4"/>)");
-  World world(model);
-  Tool tool(world.m(), world.d(), {joint("x", 0)}, {.coupling = kStiffness});
-  for (int i = 0; i < 60; ++i) {
-    static_cast<void>(tool.step({0.025}, 1.0 / 60.0, std::chrono::milliseconds(100)));
-  }
-  EXPECT_GT(world.d()->warning[mjWARN_CONTACTFULL].number, 0);
-  EXPECT_GT(engine_force(world), 1.0) << "the wall is found again";
-  EXPECT_NEAR(world.d()->qpos[0], 0.025 - engine_force(world) / kStiffness, 1e-6);
-}
-
-template <typename Make>
-std::string refusal(Make make) {
-  try {
-    make();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+  Held held(model);
+  held.hold({0.025}, 60, 100);
+  EXPECT_GT(held.world.d()->warning[mjWARN_CONTACTFULL].number, 0);
+  EXPECT_GT(held.force(), 1.0) << "the wall is found again";
+  EXPECT_NEAR(held.world.d()->qpos[0], 0.025 - held.force() / kCoupling, 1e-6);
 }
 
 TEST(Tool, RefusalsNameTheBinding) {
@@ -342,7 +309,8 @@ TEST(Tool, RefusalsNameTheBinding) {
     <geom type="sphere" size="0.05"/></body><body><joint name="x" type="slide"/>
     <geom type="sphere" size="0.01"/></body></worldbody></mujoco>)");
   const auto with = [&](const std::vector<Binding>& bindings, const ToolOptions& options) {
-    return refusal([&] { Tool(world.m(), world.d(), bindings, options); });
+    return test::message_of<std::invalid_argument>(
+        [&] { return Tool(world.m(), world.d(), bindings, options); });
   };
   using testing::HasSubstr;
   EXPECT_THAT(with({joint("y", 0)}, {.coupling = 1.0}), HasSubstr("'y': the model has no joint"));
@@ -361,8 +329,11 @@ TEST(Tool, RefusalsNameTheBinding) {
   }
   EXPECT_THAT(with({pose("free", 0), joint("x", 6)}, {.coupling = 1.0}), HasSubstr("bound twice"));
   Tool tool(world.m(), world.d(), {joint("x", 2)}, {.coupling = 1.0});
-  EXPECT_THAT(refusal([&] { tool.aim({0.0, 0.0}, 1); }), HasSubstr("coordinate 2 is bound"));
-  EXPECT_THAT(refusal([&] { tool.aim({0.0, 0.0, 0.0}, 0); }), HasSubstr("steps 0"));
+  const auto aim = [&](const std::vector<double>& probe, int steps) {
+    return test::message_of<std::invalid_argument>([&] { tool.aim(probe, steps); });
+  };
+  EXPECT_THAT(aim({0.0, 0.0}, 1), HasSubstr("coordinate 2 is bound"));
+  EXPECT_THAT(aim({0.0, 0.0, 0.0}, 0), HasSubstr("steps 0"));
 }
 
 }  // namespace

@@ -72,25 +72,19 @@ TEST(BoardHost, RefusesABoardUnlikeTheScene) {
   }
 }
 
-TEST(BoardHost, AShortWatchdogIsRefused) {
-  EmulatorConfig config{.watchdog_us = 20000};
-  EXPECT_EQ(refusal(test::expect_finger(), config),
-            "its watchdog = 20 ms: must be longer than loop_late_fault, 20 ms, and at most 1000 "
-            "ms");
-  config.watchdog_us = 20001;
-  VirtualLink link(config);
-  link.run(5ms);
-  EXPECT_EQ(link.host.stage(), Stage::kOpen);
-}
-
-TEST(BoardHost, AnEndlessWatchdogIsRefused) {
-  for (const std::uint32_t us : {1'000'001U, 4'294'967'295U}) {  // 71 minutes
-    EXPECT_NE(refusal(test::expect_finger(), {.watchdog_us = us}).find(", and at most 1000 ms"),
-              std::string::npos);
+TEST(BoardHost, OnlyWatchdogsInRangeAreTaken) {
+  constexpr std::uint32_t k71Minutes = 4'294'967'295U;
+  for (const std::uint32_t us : {20'000U, 1'000'001U, k71Minutes}) {
+    EXPECT_NE(refusal(test::expect_finger(), {.watchdog_us = us})
+                  .find(": must be longer than loop_late_fault, 20 ms, and at most 1000 ms"),
+              std::string::npos)
+        << us;
   }
-  VirtualLink link(EmulatorConfig{.watchdog_us = 1'000'000});
-  link.run(5ms);
-  EXPECT_EQ(link.host.stage(), Stage::kOpen);
+  for (const std::uint32_t us : {20'001U, 1'000'000U}) {
+    VirtualLink link(EmulatorConfig{.watchdog_us = us});
+    link.run(5ms);
+    EXPECT_EQ(link.host.stage(), Stage::kOpen) << us;
+  }
 }
 
 /// Words of a board that is no emulated one: frames by hand, with the session of the host's HELLO.
@@ -207,30 +201,6 @@ TEST(BoardHost, AFormerArmingIsNotArmed) {
   EXPECT_EQ(says_armed(second), 2u);
 }
 
-TEST(BoardHost, NoSampleIsLost) {
-  VirtualLink link;
-  link.run(10ms);
-  const HostCounters before = link.host.counters();
-  link.run(2s);
-  EXPECT_NEAR(static_cast<double>(link.host.counters().states - before.states), 2000.0, 1.0);
-  EXPECT_EQ(link.host.counters().lost, 0U);
-  EXPECT_EQ(link.host.counters().bad_crc + link.host.counters().malformed, 0U);
-}
-
-TEST(BoardHost, AnArmingNeedsItsNonce) {
-  VirtualLink link;
-  link.run(10ms);
-  link.arm(3.0);
-  link.run(5ms);
-  EXPECT_TRUE(link.armed());
-  EXPECT_TRUE(link.board.drives());
-  EXPECT_FLOAT_EQ(static_cast<float>(link.board.reference()), 3.0F);
-  link.disarm();
-  link.run(2ms);
-  EXPECT_FALSE(link.armed());
-  EXPECT_FALSE(link.board.drives());
-}
-
 TEST(BoardHost, AsksAgainIfArmWasLost) {
   VirtualLink link;
   link.run(10ms);
@@ -268,28 +238,6 @@ TEST(BoardHost, AWatchdogStopLastsUntilDisarmed) {
   EXPECT_EQ(link.board.firmware().counters.watchdog_stops, 1U);
 }
 
-TEST(BoardHost, ABrownOutEndsDisarmed) {
-  EmulatorConfig config{.faults = {{FaultKind::kBrownOut, 0.1, 0.05, 0.0}}};
-  VirtualLink link(config);
-  link.run(10ms);
-  link.arm(3.0);
-  link.run(85ms);
-  EXPECT_TRUE(link.armed());
-  const std::uint64_t last = link.host.reading().seq;
-  link.run(200ms);
-  EXPECT_LE(link.host.reading().seq, last + 5) << "a board without a session speaks";
-  link.run(200ms);  // kSilence is over
-  EXPECT_TRUE(link.host.reading().open);
-  EXPECT_EQ(link.host.counters().handshakes, 2U);
-  EXPECT_FALSE(link.armed());
-  EXPECT_FALSE(link.board.drives()) << "nobody asked anew";
-  link.disarm();
-  link.run(2ms);
-  link.arm(1.0);
-  link.run(5ms);
-  EXPECT_TRUE(link.armed());
-}
-
 /// Any board without a serial number answers to it: what the loop was built with must hold too.
 TEST(BoardHost, AReplugNeedsTheSameBoard) {
   EmulatorConfig nameless{.serial = ""};
@@ -317,18 +265,6 @@ TEST(BoardHost, AReplugNeedsTheSameBoard) {
             "its capabilities = 6: must be 3, as before the port was lost");
 }
 
-TEST(BoardHost, AStuckSensorIsAFault) {
-  EmulatorConfig config{.faults = {{FaultKind::kStuck, 0.1, 0.4, 0.0}}};
-  VirtualLink link(config);
-  link.arm(1.0);
-  link.run(150ms);
-  EXPECT_FALSE(link.host.reading().broken);
-  link.run(100ms);
-  EXPECT_TRUE(link.host.reading().broken);
-  EXPECT_FALSE(link.board.drives());
-  EXPECT_EQ(link.board.firmware().faults, HB_SENSOR_STUCK);
-}
-
 TEST(BoardHost, EveryMissingFrameIsCounted) {
   EmulatorConfig config{.drop = 3e-4, .corrupt = 3e-4};
   VirtualLink link(config);
@@ -347,19 +283,6 @@ TEST(BoardHost, EveryMissingFrameIsCounted) {
   EXPECT_GT(board.bad_crc + board.malformed, 20U);
 }
 
-TEST(BoardHost, DamagedBytesDoNotDisarm) {
-  EmulatorConfig config{.corrupt = 3e-4};
-  VirtualLink link(config);
-  link.arm(1.0);
-  for (int i = 0; i < 500; ++i) {
-    const std::uint64_t before = link.host.reading().seq;
-    link.run(10ms);
-    ASSERT_GT(link.host.reading().seq, before) << i;
-  }
-  EXPECT_TRUE(link.armed());
-  EXPECT_EQ(link.board.firmware().counters.watchdog_stops, 0U);
-}
-
 TEST(BoardHost, SlowLinksKeepSamplesYoung) {
   for (const std::uint32_t period_us : {0U, 2000U}) {
     EmulatorConfig config{.link_period_us = period_us};
@@ -372,6 +295,7 @@ TEST(BoardHost, SlowLinksKeepSamplesYoung) {
     }
     EXPECT_LE(oldest, period_us == 0 ? 2ms : 4ms);
     EXPECT_EQ(link.host.counters().lost, 0U);
+    EXPECT_NEAR(static_cast<double>(link.host.counters().states), 5100.0, 10.0);
   }
 }
 

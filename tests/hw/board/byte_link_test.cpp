@@ -12,17 +12,14 @@
 
 #include "haptic/core/error.hpp"
 #include "hw/emulator/pseudo_terminal.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace haptic::hw::board {
 namespace {
 
 std::string why(int error, const std::string& port) {
-  try {
-    throw_cannot_open(port, error);
-  } catch (const core::DeviceError& thrown) {
-    return thrown.what();
-  }
+  return test::message_of<core::DeviceError>([&] { throw_cannot_open(port, error); });
 }
 
 /// The group of a file by coreutils.
@@ -63,12 +60,8 @@ TEST(ByteLink, APseudoTerminalOpensOnce) {
   const emulator::PseudoTerminal terminal("");
   const std::string port = terminal.port().string();
   auto first = open_link(port, 921600);
-  try {
-    static_cast<void>(open_link(port, 921600));
-    FAIL() << "must throw";
-  } catch (const core::DeviceError& error) {
-    EXPECT_EQ(std::string(error.what()), port + ": is in use by another program; must be free");
-  }
+  EXPECT_EQ(test::message_of<core::DeviceError>([&] { return open_link(port, 921600); }),
+            port + ": is in use by another program; must be free");
   first.reset();
   EXPECT_NO_THROW(static_cast<void>(open_link(port, 921600)));
 }

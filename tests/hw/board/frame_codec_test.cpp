@@ -169,18 +169,6 @@ TEST(FrameCodec, ADroppedByteIsDetected) {
   }
 }
 
-TEST(FrameCodec, JoiningCostsOneFrame) {
-  const test::Vector& state = test::vector("STATE");
-  for (std::size_t from = 0; from < state.wire.size(); ++from) {
-    Bytes stream(state.wire.begin() + static_cast<std::ptrdiff_t>(from), state.wire.end());
-    const Bytes next = neighbour(kBehind);
-    stream.insert(stream.end(), next.begin(), next.end());
-    const Seen seen = decode(stream);
-    ASSERT_FALSE(seen.seqs.empty());
-    EXPECT_EQ(seen.seqs.back(), kBehind);
-  }
-}
-
 TEST(FrameCodec, EndlessNoiseIsOneMalformedFrame) {
   const Seen seen = decode_between_neighbours(Bytes(100000, 0x55));
   EXPECT_EQ(seen.seqs, (std::vector<std::uint32_t>{kBefore, kBehind}));

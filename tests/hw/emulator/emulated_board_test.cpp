@@ -59,17 +59,6 @@ TEST(EmulatedBoard, ADriveThatIsOffRests) {
   EXPECT_EQ(link.board.rig().actuator().v(), 0.0);
 }
 
-TEST(EmulatedBoard, AStalledMotorDoesNotFollow) {
-  EmulatorConfig config{.faults = {{FaultKind::kStall, 1.0, 1e9, 0.0}}};
-  VirtualLink link(config);
-  link.run(1s);
-  const double x = link.board.rig().actuator().x();
-  link.arm(20.0);
-  link.run(150ms);  // the board finds out after 200
-  EXPECT_TRUE(link.board.drives());
-  EXPECT_NEAR(link.board.rig().actuator().x(), x, 1e-5);
-}
-
 TEST(EmulatedBoard, OnlyTheDriftingReadingMoves) {
   EmulatorConfig config{.faults = {{FaultKind::kDrift, 0.5, 1e9, 0.001}}};
   VirtualLink link(config);

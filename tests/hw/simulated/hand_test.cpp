@@ -1,5 +1,4 @@
-/// The simulated hand: its fingers against a simulated finger of their own and against statics from
-/// independent algebra, its palm, its sensors.
+/// The simulated hand: its fingers against a finger's physics alone, its palm, its sensors.
 #include "hw/simulated/hand.hpp"
 
 #include <gmock/gmock.h>
@@ -103,32 +102,6 @@ TEST(SimulatedHand, StepsAreSmallEnough) {
   EXPECT_LT(furthest, 2e-5);
 }
 
-TEST(SimulatedHand, GivesWayByForceOverStiffness) {
-  // At rest K_h (x - x_des) = w tau_a, w by central differences of the hand's inverse.
-  const auto kinematics = five();
-  const SimulatedHandConfig config = hand_aiming_at(0.5);
-  Worn hand(config, kinematics);
-  hand.push(forces());
-  const core::VecQ q = hand.run(3000);
-  core::VecX x;
-  core::MatXQ J;
-  ASSERT_EQ(kinematics->evaluate(q, x, J), core::MapStatus::kOk);
-  for (int i = 0; i < 10; ++i) {
-    constexpr double h = 1e-6;
-    core::VecX ahead = x, behind = x;
-    ahead[i] += h;
-    behind[i] -= h;
-    core::VecQ q_ahead, q_behind;
-    ASSERT_EQ(kinematics->inverse(ahead, q_ahead), core::InverseStatus::kExact);
-    ASSERT_EQ(kinematics->inverse(behind, q_behind), core::InverseStatus::kExact);
-    const int l_x = i - i % 2;
-    const double w = (q_ahead[l_x] - q_behind[l_x]) / (2 * h);
-    EXPECT_NEAR(x[i] - 0.5, w * forces()[i / 2] / config.finger.hand_stiffness, 2e-6) << i;
-  }
-  EXPECT_NEAR(x[6], 0.5, 1e-6) << "the ring finger is not pushed";
-  EXPECT_LT(x[4], 0.45) << "the middle finger is";
-}
-
 TEST(SimulatedHand, ForcesLeaveThePalmAlone) {
   Worn pushed(hand_aiming_at(0.5, true), test::hand_on_a_palm()),
       free(hand_aiming_at(0.5, true), test::hand_on_a_palm());
@@ -140,25 +113,6 @@ TEST(SimulatedHand, ForcesLeaveThePalmAlone) {
   EXPECT_LT((pushed.reading.sample.q.head<6>() - hand_aiming_at(0.5, true).target.head<6>()).norm(),
             1e-12);
   EXPECT_GT((pushed.reading.sample.q - free.reading.sample.q).norm(), 0.01);
-}
-
-TEST(SimulatedHand, EnergyBalancesInEveryFinger) {
-  SimulatedHandConfig config = hand_aiming_at(0.7);
-  config.finger.actuator_friction = 0.5;
-  Worn hand(config, five());
-  for (int i = 0; i < 1500; ++i) {
-    hand.push(forces() * std::sin(0.02 * i));
-    hand.tick();
-    for (const FingerPhysics& finger : hand.device.fingers()) {
-      const FingerEnergy& e = finger.energy();
-      const double in = e.by_user + e.by_actuator;
-      const double lost = e.damping + e.friction + e.stop;
-      // Energy that the steps lose is never given: kinetic + losses stay below what came in.
-      ASSERT_LE(finger.kinetic() + lost, in + 1e-7) << i;
-      ASSERT_NEAR(finger.kinetic() + lost, in, 2e-4 + 0.05 * std::abs(in)) << i;
-    }
-  }
-  EXPECT_GT(hand.device.fingers()[2].energy().friction, 1e-4);
 }
 
 TEST(SimulatedHand, ABadForceIsNoForce) {
@@ -182,22 +136,6 @@ TEST(SimulatedHand, ABadForceIsNoForce) {
   EXPECT_TRUE(hand.run(50).allFinite());
 }
 
-TEST(SimulatedHand, IsArmedAsAFinger) {
-  Worn hand(hand_aiming_at(0.5, true), test::hand_on_a_palm());
-  hand.push(forces());
-  hand.tick();
-  EXPECT_EQ(hand.device.tau_a().norm(), 0.0) << "a device that is arming follows no force";
-  hand.tick();
-  EXPECT_EQ(hand.device.tau_a(), forces());
-  hand.command.arm = false;
-  hand.tick();
-  EXPECT_EQ(hand.device.tau_a().norm(), 0.0);
-  hand.device.close();
-  hand.tick();
-  EXPECT_EQ(hand.reading.health, core::DeviceHealth::kLost);
-  EXPECT_FALSE(hand.reading.fresh);
-}
-
 TEST(SimulatedHand, OnlyTheFingersSensorsAreNoisy) {
   SimulatedHandConfig config = hand_aiming_at(0.0, true);
   config.noise_l_x = 2e-5;
@@ -219,18 +157,6 @@ TEST(SimulatedHand, OnlyTheFingersSensorsAreNoisy) {
     EXPECT_NEAR(std::sqrt(square[6 + 2 * i] / kSamples), 2e-5, 2e-6);
     EXPECT_NEAR(std::sqrt(square[7 + 2 * i] / kSamples), 3e-3, 3e-4);
   }
-}
-
-TEST(SimulatedHand, ThePeriodDoesNotMatter) {
-  const auto pose = [](core::Duration period) {
-    SimulatedHand device(hand_aiming_at(0.9, true), test::hand_on_a_palm());
-    core::DeviceReading reading;
-    for (core::Duration t = 0s; t <= 600ms; t += period) {
-      device.read(core::TimePoint(5s) + t, reading);
-    }
-    return reading.sample.q;
-  };
-  EXPECT_EQ(pose(1ms), pose(2ms));
 }
 
 TEST(SimulatedHand, DescribesItself) {

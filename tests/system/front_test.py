@@ -316,7 +316,8 @@ class Fronts(unittest.TestCase):
         token = self.folder / "token"
         token.write_text("0123456789abcdef\n", encoding="utf-8")
         token.chmod(0o600)
-        web = f'server.web={{listen: "127.0.0.1:0" token {{name: "unity" file: "{token}"}}}}'
+        web = ('server.web={listen: "127.0.0.1:0" token {name: "unity" rights: "primary" '
+               f'file: "{token}"}}}}')
         daemon = self.hapticd("--set", web)
         address, front = daemon.address(), daemon.front()
         token.write_text("short\n", encoding="utf-8")

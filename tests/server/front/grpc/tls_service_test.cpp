@@ -181,6 +181,7 @@ TEST_F(TlsTest, NamesWrongFilesWithoutTheirContents) {
   EXPECT_NE(error.find("server.tls.key"), std::string::npos);
   EXPECT_NE(error.find("must be that of the certificate"), std::string::npos);
   config.key = file("ca.pem");
+  std::filesystem::permissions(config.key, std::filesystem::perms(0600));
   EXPECT_NE(load_error(config).find("must hold a private key"), std::string::npos);
   config = tls(true);
   config.certificate = file("localhost.key");

@@ -1,4 +1,4 @@
-/// A field of a contact that stands in the messages alone: `stickiness` of new_field.py goes from
+/// A field of a contact that stands in the messages alone: `stickiness` of add_field.py goes from
 /// the client to core, is checked on its way, and has no line of code there.
 
 #include <gtest/gtest.h>
@@ -7,6 +7,7 @@
 #include <string>
 
 #include "convert.hpp"
+#include "convert_plane.hpp"
 #include "haptic/client/contact.hpp"
 #include "server/front/session/plane_fields.hpp"
 #include "server/owner/ingress/ingress.hpp"
@@ -16,11 +17,13 @@ namespace {
 
 class NewContactField : public testing::Test {
  protected:
-  /// Publishes a contact with this stickiness; the coupling is 2 N/m.
+  /// Publishes a contact that has this stickiness in C; the coupling is 2 N/m.
   server::Verdict publish(double stickiness) {
     client::Contact contact{.point = client::point_itself({0.0, 0.0, 0.0}),
                             .normal = {1.0, 0.0, 0.0}};
-    contact.stickiness = stickiness;
+    haptic_contact in_c{};
+    in_c.stickiness = stickiness;
+    c::read_fields(in_c, contact);
     v1::Plane message, arrived;
     client::write(client::contact_at({0.0, 0.0, 0.0}, contact, 2.0), message);
     EXPECT_TRUE(arrived.ParseFromString(message.SerializeAsString()));

@@ -26,6 +26,11 @@ export function say(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/** The children of a `dl`. */
+export function facts(list: readonly [string, string][]): Child[] {
+  return list.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]);
+}
+
 /** Replaces the children only if `key` differs from the last time. */
 export function fill(element: HTMLElement, key: string, make: () => Child[]): void {
   if (element.dataset.key === key) return;

@@ -1,7 +1,7 @@
 // The table "Joints": where each DoF stands, and the force on it.
 
+import type { Device, DeviceState } from "hapticd";
 import { at, h, say } from "../dom";
-import type { Device, DeviceState } from "../model";
 import { effortUnit, number, quantity } from "../units";
 
 interface Row {

@@ -80,13 +80,8 @@ export class View {
     this.place();
   }
 
-  resize(width: number, height: number): void {
-    this.camera.aspect = width / Math.max(height, 1);
-    this.measure();
-  }
-
-  /** How far the camera has to be to see all corners of the box. */
-  private measure(): void {
+  /** How far the camera has to be to see all corners of the box: again when it has another shape. */
+  measure(): void {
     if (this.box.isEmpty()) return;
     this.box.getCenter(this.target);
     const away = this.away();

@@ -45,16 +45,9 @@ function range(
   return [zero ? 0 : low - air, high + air];
 }
 
-function swatch(line: Line): SVGElement {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("viewBox", "0 0 22 6");
-  svg.setAttribute("aria-hidden", "true");
-  svg.setAttribute("class", "swatch");
-  const path = document.createElementNS(svg.namespaceURI!, "path");
-  path.setAttribute("d", "M0 3H22");
-  path.setAttribute("class", `line-${line.colour % PALETTE}${line.dashed ? " dashed" : ""}`);
-  svg.append(path);
-  return svg;
+function swatch({ colour, dashed }: Line): HTMLElement {
+  const style = `border-color: var(--line-${colour % PALETTE})`;
+  return h("span", { class: `swatch${dashed ? " dashed" : ""}`, style, "aria-hidden": "true" });
 }
 
 export class Chart {

@@ -1,5 +1,5 @@
 /** Prints the fields that only a test declares, of a state's bytes: as members, and in the list
- * that the page shows. */
+ * of stateFields(). */
 import { readFileSync } from "node:fs";
 import { create, fromBinary } from "@bufbuild/protobuf";
 import { DeviceSchema } from "./gen/haptic/v1/haptic_service_pb.js";

@@ -1,11 +1,12 @@
-"""C#: DeviceState with its enums, HapticPlane, and what Contact has of it; and how HapticSession
+"""C#: DeviceState and HapticEvent with their enums, HapticPlane, and what Contact has of it; and how HapticSession
 reads and writes them."""
 
 from schema import MADE, Enum, Field, Message, Schema, pascal, wrapped
 
-_TYPES = {"double": "double", "uint32": "uint", "uint64": "ulong", "int64": "long"}
+_TYPES = {"double": "double", "uint32": "uint", "uint64": "ulong", "int64": "long",
+          "string": "string"}
 _READ = {"double": "from.Real()", "uint32": "(uint)from.Number()", "uint64": "from.Number()",
-         "int64": "(long)from.Number()"}
+         "int64": "(long)from.Number()", "string": "from.Text()"}
 
 
 def _type(schema: Schema, field: Field) -> str:
@@ -46,13 +47,18 @@ def _class(schema: Schema, name: str, comment: str, fields: list[Field], note,
     lines = ["", *wrapped(comment, "/// "), f"public sealed {name} {{"]
     for field in fields:
         kind = _type(schema, field)
-        empty = f" = new {kind[:-1]}0]" if field.repeated else ""
+        empty = f" = new {kind[:-1]}0]" if field.repeated else \
+            ' = ""' if field.kind == "string" else ""
         lines += [*wrapped(note(field), "  /// "), f"  public {kind} {pascal(field.called)}{empty};"]
     return [*lines, *more, "}"]
 
 
+def _name(message: Message) -> str:
+    return "HapticEvent" if message.name == "Event" else message.name
+
+
 def _reader(schema: Schema, message: Message) -> list[str]:
-    name = message.name
+    name = _name(message)
     return ["", f"  static {name} Of(Reader from, {name} to) {{", "    while (from.Next()) {",
             "      switch (from.Field) {",
             *(f"        case {field.number}: {_read(schema, field)}; break;"
@@ -68,12 +74,14 @@ def _file(types: list[str], session: list[str]) -> list[str]:
 
 
 def state(schema: Schema) -> list[str]:
-    types = [line for enum in schema.state_enums for line in _enum(enum)]
-    for message in schema.state:
+    messages = [*schema.state, schema.messages["Event"]]
+    enums = [*schema.state_enums, schema.enums["Kind"]]
+    types = [line for enum in enums for line in _enum(enum)]
+    for message in messages:
         arrived = ["  internal long Arrived;  // by HapticSession's clock"]
-        types += _class(schema, f"class {message.name}", message.comment, message.fields,
+        types += _class(schema, f"class {_name(message)}", message.comment, message.fields,
                         Field.about, arrived if message.name == "DeviceState" else [])
-    return _file(types, [line for message in schema.state for line in _reader(schema, message)])
+    return _file(types, [line for message in messages for line in _reader(schema, message)])
 
 
 def plane(schema: Schema) -> list[str]:
@@ -89,6 +97,6 @@ def plane(schema: Schema) -> list[str]:
 
 
 KINDS = {
-    "csharp": state,        # DeviceState, and how it is read
+    "csharp": state,        # DeviceState and HapticEvent, and how they are read
     "csharp_plane": plane,  # HapticPlane, and what Contact has of it
 }

@@ -13,6 +13,7 @@ _KINDS = {
     pb.FieldDescriptorProto.TYPE_UINT32: "uint32",
     pb.FieldDescriptorProto.TYPE_UINT64: "uint64",
     pb.FieldDescriptorProto.TYPE_INT64: "int64",
+    pb.FieldDescriptorProto.TYPE_STRING: "string",
     pb.FieldDescriptorProto.TYPE_ENUM: "enum",
     pb.FieldDescriptorProto.TYPE_MESSAGE: "message",
 }
@@ -21,7 +22,7 @@ AXES = {"": "", "DOF": "per DoF", "ACTUATED": "per actuated DoF", "COORDINATE": 
 
 @dataclasses.dataclass(frozen=True)
 class Field:
-    """kind: double, uint32, uint64, int64, enum or message; type: name of that enum or message.
+    """kind: double, uint32, uint64, int64, string, enum or message; type: name of that enum or message.
 
     axis: "", DOF, ACTUATED or COORDINATE. optional: its absence can be told from 0. The rest are
     options of field_options.proto.

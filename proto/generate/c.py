@@ -81,7 +81,8 @@ def plane_header(schema: Schema) -> list[str]:
     geometry = ["  haptic_point point;  /* its size too must be set */",
                 "  double normal[3];    /* of the object at the nearest point, outwards */",
                 "  double gap;          /* from the object to the point along the normal, m; < 0: "
-                "inside */", "  double curvature[6]; /* of the object; haptic_sphere_curvature() */",
+                "inside */",
+                "  double curvature[6]; /* of the object; haptic_sphere_curvature() */",
                 "  double stiffness;    /* of point and object in series, N/m; 0: rigid */"]
     plane = _members(schema.plane.fields, Field.of_plane, _in_plane)
     told = _members(schema.told, Field.of_contact, _in_plane)

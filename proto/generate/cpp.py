@@ -1,5 +1,5 @@
-"""C++: haptic::client::DeviceState, Plane, and what Contact has of it; and their way to and from the
-messages."""
+"""C++: haptic::client::DeviceState, Plane, and what Contact has of it; and their way to and from
+the messages."""
 
 from schema import MADE, Field, Message, Schema, wrapped
 

@@ -1,5 +1,5 @@
-"""C#: DeviceState and HapticEvent with their enums, HapticPlane, and what Contact has of it; and how HapticSession
-reads and writes them."""
+"""C#: DeviceState and HapticEvent with their enums, HapticPlane, and what Contact has of it;
+and how HapticSession reads and writes them."""
 
 from schema import MADE, Enum, Field, Message, Schema, pascal, wrapped
 
@@ -49,7 +49,8 @@ def _class(schema: Schema, name: str, comment: str, fields: list[Field], note,
         kind = _type(schema, field)
         empty = f" = new {kind[:-1]}0]" if field.repeated else \
             ' = ""' if field.kind == "string" else ""
-        lines += [*wrapped(note(field), "  /// "), f"  public {kind} {pascal(field.called)}{empty};"]
+        lines += wrapped(note(field), "  /// ")
+        lines.append(f"  public {kind} {pascal(field.called)}{empty};")
     return [*lines, *more, "}"]
 
 

@@ -22,7 +22,7 @@ AXES = {"": "", "DOF": "per DoF", "ACTUATED": "per actuated DoF", "COORDINATE": 
 
 @dataclasses.dataclass(frozen=True)
 class Field:
-    """kind: double, uint32, uint64, int64, string, enum or message; type: name of that enum or message.
+    """kind: double, uint32, uint64, int64, string, enum or message; type: name of the last two.
 
     axis: "", DOF, ACTUATED or COORDINATE. optional: its absence can be told from 0. The rest are
     options of field_options.proto.
@@ -111,7 +111,8 @@ class Schema:
         lists = [field.name for field in top.fields if field.kind == "message" and field.repeated]
         if lists:
             raise SystemExit(f"DeviceState.{lists[0]}: a list of messages has no place in a state")
-        return [*(self.messages[field.type] for field in top.fields if field.kind == "message"), top]
+        held = [field.type for field in top.fields if field.kind == "message"]
+        return [*(self.messages[name] for name in held), top]
 
     @property
     def state_enums(self) -> list[Enum]:

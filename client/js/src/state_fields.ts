@@ -51,7 +51,7 @@ function fieldsOf(type: DescMessage, message: Message | undefined, labels: Label
     const values = valuesOf(field, held);
     return {
       name: field.name,
-      kind: field.message ? "message" : field.enum ? "name" : hasOption(field, bits) ? "bits" : "number",
+      kind: kindOf(field),
       repeated: field.fieldKind === "list",
       axis: AXES[which],
       labels: named.map(({ name }) => name),
@@ -62,6 +62,11 @@ function fieldsOf(type: DescMessage, message: Message | undefined, labels: Label
         : fieldsOf(field.message, (values[0] as ReflectMessage | undefined)?.message, labels),
     };
   });
+}
+
+function kindOf(field: DescField): StateField["kind"] {
+  if (field.message) return "message";
+  return field.enum ? "name" : hasOption(field, bits) ? "bits" : "number";
 }
 
 function valuesOf(field: DescField, held: ReflectMessage | undefined): unknown[] {

@@ -9,7 +9,7 @@ import { MAX_ANSWER, MAX_MESSAGE } from "./transport.js";
 import type { Answer, Socket, SocketListener, Target, Transport } from "./transport.js";
 
 const LOST = 1006;  // RFC 6455: no close frame came
-/** Of a WebSocket. closeTimeout: ms that the server has to answer a close frame. */
+/** Limits of a WebSocket. closeTimeout: ms that the server has to answer a close frame. */
 const LIMITS = { perMessageDeflate: false, closeTimeout: 2000, maxPayload: MAX_MESSAGE,
                  maxFragments: 1024 };
 

@@ -15,7 +15,7 @@ export interface Listener {
   ended(error: ClientError): void;
 }
 
-/** What the page needs of LiveSource; every promise rejects with ClientError. */
+/** The members of LiveSource, which a test has too. Every promise rejects with ClientError. */
 export type Source = Pick<LiveSource, keyof LiveSource>;
 
 export class LiveSource {

@@ -80,7 +80,7 @@ export class World {
     return most === 0 ? [0, 0, 1] : [-x! / most, -y! / most, -z! / most];
   }
 
-  /** Of all geoms. */
+  /** Position and matrix of every geom. */
   places(data = this.data): Float32Array {
     const positions: Float64Array = data.geom_xpos, turns: Float64Array = data.geom_xmat;
     const places = new Float32Array(PLACE * this.model.ngeom);

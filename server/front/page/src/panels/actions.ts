@@ -76,8 +76,8 @@ function refused(reason: string, message: string): string {
     case "STOPPED_LOCALLY":
       return "Not cleared: the stop was pressed on hapticd's own computer. Clear it there.";
     case "LEASE_HELD":
-      return "Refused: the program that holds the device has the same rank as this page's key, so " +
-        "only it may release. Stop works always.";
+      return "Refused: the program that holds the device has the same rank as this page's key, " +
+        "so only it may release. Stop works always.";
     default:
       return `Refused: ${message}`;
   }

@@ -1,5 +1,5 @@
-// A canvas in which three.js paints a world: when it is asked to, as large as the page shows it, and
-// in the colours of the page's theme.
+// A canvas in which three.js paints a world: when it is asked to, as large as the page shows it,
+// and in the colours of the page's theme.
 
 import {
   AmbientLight, Color, DirectionalLight, Group, LineSegments, Mesh, MeshLambertMaterial,
@@ -20,8 +20,8 @@ export const ghostly = (): MeshLambertMaterial => new MeshLambertMaterial({
   polygonOffsetUnits: 2,
 });
 
-/** What is done first and whenever the theme changes, when the canvas has another size, and before
- * each picture. */
+/** `theme` is called when the page's colours change, `resize` when the canvas has another size,
+ * `paint` before each picture. */
 interface Hooks {
   theme(): void;
   resize?(): void;

@@ -12,7 +12,7 @@ import { gridStep, View } from "./view";
 /** Part of a state that the picture shows. */
 type Pose = Pick<DeviceState, "q" | "qStar" | "xProbe" | "x" | "tauA">;
 
-/** Of the bodies, in the order in which they are drawn over each other. */
+/** Layers of bodies, in the order in which they are drawn over each other. */
 const LAYERS = ["device", "ghost", "toolDepth", "tool", "proxy"] as const;
 type Layer = (typeof LAYERS)[number];
 

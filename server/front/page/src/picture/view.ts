@@ -80,7 +80,7 @@ export class View {
     this.place();
   }
 
-  /** How far the camera has to be to see all corners of the box: again when it has another shape. */
+  /** Moves the camera so far away that it sees all corners of the box. */
   measure(): void {
     if (this.box.isEmpty()) return;
     this.box.getCenter(this.target);

@@ -63,10 +63,11 @@ const WORDS: Record<string, [title: string, help: string]> = {
   DERATED: ["Softer, because of delay", "A stiffer spring would shake at this delay."],
 };
 
-/** Of each bit that is set. */
+/** Words of each bit that is set. */
 export function bitWords(field: "faults" | "limiters", bits: number): Words[] {
   return bitNames(field, bits).map((name) => {
-    const [title, help] = WORDS[name] ?? [`Bit ${name}`, "This page does not know it: it is newer."];
+    const newer = [`Bit ${name}`, "This page does not know it: it is newer."] as const;
+    const [title, help] = WORDS[name] ?? newer;
     return { name, title, help };
   });
 }

@@ -8,7 +8,7 @@ import { actuated, effortUnit, number, shownIn } from "../units";
 /** How it is told apart besides the words: a colour and a sign of its own. */
 export type Tone = "calm" | "ready" | "force" | "fault";
 
-/** By the protocol's names. */
+/** Words of each state, under the protocol's name. */
 const STATES: Record<string, [title: string, tone: Tone, help: string]> = {
   INIT: ["Starting", "calm", "No position of the device has come yet."],
   IDLE: ["Waiting", "calm", "No force. No program controls the device."],

@@ -3,10 +3,9 @@
 
 import {
   Box3, BoxGeometry, type BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, EdgesGeometry,
-  LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, PerspectiveCamera, PlaneGeometry,
-  SphereGeometry, Vector3,
+  LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, PlaneGeometry, SphereGeometry,
+  Vector3,
 } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { StraightArrow } from "../picture/arrows";
 import { colour, ghostly, Painter } from "../picture/painter";
 import type { Geom, Report } from "./messages";
@@ -15,7 +14,7 @@ const PLACE = 12; // numbers of a geom: position, rotation matrix
 const PLANE = 0.5; // m, how much of an endless one is drawn
 const PER_NEWTON = 0.02, SHORTEST = 0.012, LONGEST = 0.06; // m, of an arrow
 const REACH = 0.1; // m, for which arrows are thick enough
-const Y = new Vector3(0, 1, 0);
+const X = new Vector3(1, 0, 0), Y = new Vector3(0, 1, 0), Z = new Vector3(0, 0, 1);
 const HELD = 0.0005; // m: a device that is nearer to the tool than this is not drawn
 const MOVED = 0.001; // m: a thing that moved less stands still
 
@@ -39,9 +38,7 @@ function put(mesh: Mesh | LineSegments, places: Float32Array, i: number): void {
 }
 
 export class Stage {
-  private readonly camera = new PerspectiveCamera(32, 1, 0.005, 10);
   private readonly painter: Painter;
-  private readonly controls: OrbitControls;
   private geoms: Geom[] = [];
   private meshes: Mesh[] = [];
   private ghosts: (Mesh | null)[] = [];
@@ -53,14 +50,13 @@ export class Stage {
   private readonly ghost = ghostly();
   /** Material of arrows: in sight, whatever is in front. */
   private readonly ink = new MeshLambertMaterial({ depthTest: false, transparent: true });
+  private readonly up = new Vector3();
   private fitted = false;
 
   /** Throws if the browser has no WebGL. */
   constructor(canvas: HTMLCanvasElement) {
-    this.painter = new Painter(canvas, this.camera, { theme: () => this.recolour() });
+    this.painter = new Painter(canvas, true, { theme: () => this.recolour() });
     this.painter.theme();
-    this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.addEventListener("change", () => this.painter.ask());
   }
 
   /** Pictures painted since the beginning. */
@@ -71,7 +67,7 @@ export class Stage {
   show(geoms: Geom[], up: [number, number, number]): void {
     this.geoms = geoms;
     this.painter.clear();
-    this.camera.up.set(...up);
+    this.up.set(...up);
     this.fitted = false;
     this.points = [];
     this.arrows = [];
@@ -149,20 +145,13 @@ export class Stage {
   /** Looks at all but planes, a little from above. */
   private fit(): void {
     this.fitted = true;
-    this.painter.world.updateMatrixWorld(true);
     const box = new Box3();
     this.meshes.forEach((mesh, i) => {
       if (this.geoms[i]!.type === "plane") return;
       mesh.geometry.computeBoundingBox();
       box.union(mesh.geometry.boundingBox!.clone().applyMatrix4(mesh.matrix));
     });
-    const middle = box.getCenter(new Vector3()), size = box.getSize(new Vector3()).length();
-    const up = this.camera.up.clone(), aside = up.z > 0.5 ? new Vector3(1, 0.5, 0)
-      : new Vector3(0.35, 0, 1);
-    this.camera.position.copy(middle).addScaledVector(aside.normalize(), 1.5 * size)
-      .addScaledVector(up, 0.5 * size);
-    this.controls.target.copy(middle);
-    this.controls.update();
+    this.painter.view.look(box, this.up.z > 0.5 ? X : Z, this.up);
   }
 
   private recolour(): void {

@@ -6,8 +6,6 @@ import { Picture } from "../picture/picture";
 import type { View } from "../picture/view";
 import { quantity } from "../units";
 
-const DRAG = 0.01; // rad per pixel
-
 /** Sign, meaning, and act. */
 const BUTTONS: [string, string, (view: View) => void][] = [
   ["◀", "Turn left", (view) => view.turnStep(-1, 0)],
@@ -27,9 +25,7 @@ export class Stage {
 
   constructor() {
     this.picture = this.make();
-    if (!this.picture) return;
-    this.buttons(this.picture);
-    this.drag(this.picture);
+    if (this.picture) this.buttons(this.picture);
   }
 
   show(device: Device): void {
@@ -77,18 +73,5 @@ export class Stage {
       });
       at("view-buttons").append(button);
     }
-  }
-
-  /** A mouse turns it both ways; a finger from side to side, and scrolls the page up and down. */
-  private drag(picture: Picture): void {
-    this.canvas.addEventListener("pointerdown", (event) => {
-      this.canvas.setPointerCapture(event.pointerId);
-    });
-    this.canvas.addEventListener("pointermove", (event) => {
-      if (!this.canvas.hasPointerCapture(event.pointerId)) return;
-      const up = event.pointerType === "mouse" ? event.movementY * DRAG : 0;
-      picture.view.turn(-event.movementX * DRAG, up);
-      picture.ask();
-    });
   }
 }

@@ -2,9 +2,10 @@
 // and in the colours of the page's theme.
 
 import {
-  AmbientLight, Color, DirectionalLight, Group, LineSegments, Mesh, MeshLambertMaterial,
-  PerspectiveCamera, Scene, WebGLRenderer,
+  AmbientLight, Color, DirectionalLight, Group, LineSegments, Mesh, MeshLambertMaterial, Scene,
+  WebGLRenderer,
 } from "three";
+import { View } from "./view";
 
 /** A colour of the page's theme. */
 export const colour = (name: string): Color =>
@@ -31,23 +32,25 @@ interface Hooks {
 export class Painter {
   readonly scene = new Scene();
   readonly world = new Group();
+  readonly view: View;
   /** Pictures painted since the beginning. */
   painted = 0;
   private readonly renderer: WebGLRenderer;
   private asked = false;
 
-  /** Throws if the browser has no WebGL. */
+  /** `moves`: see View. Throws if the browser has no WebGL. */
   constructor(
     private readonly canvas: HTMLCanvasElement,
-    private readonly camera: PerspectiveCamera,
+    moves: boolean,
     private readonly hooks: Hooks,
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     const sun = new DirectionalLight(0xffffff, 2.2);
     sun.position.set(0.4, 0.8, 1);
-    camera.add(sun); // shines from behind the onlooker
-    this.scene.add(camera, new AmbientLight(0xffffff, 1.1), this.world);
+    this.view = new View(canvas, this.world, moves, () => this.ask());
+    this.view.camera.add(sun); // shines from behind the onlooker
+    this.scene.add(this.view.camera, new AmbientLight(0xffffff, 1.1), this.world);
     new ResizeObserver(() => this.resize()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.theme());
   }
@@ -74,7 +77,7 @@ export class Painter {
       requestAnimationFrame(() => {
         this.asked = false;
         this.hooks.paint?.();
-        this.renderer.render(this.scene, this.camera);
+        this.renderer.render(this.scene, this.view.camera);
         this.painted++;
       });
     if (ms > 0) setTimeout(frame, ms);
@@ -85,8 +88,8 @@ export class Painter {
     const { clientWidth, clientHeight } = this.canvas;
     if (clientWidth === 0 || clientHeight === 0) return;
     this.renderer.setSize(clientWidth, clientHeight, false);
-    this.camera.aspect = clientWidth / clientHeight;
-    this.camera.updateProjectionMatrix();
+    this.view.camera.aspect = clientWidth / clientHeight;
+    this.view.camera.updateProjectionMatrix();
     this.hooks.resize?.();
     this.ask();
   }

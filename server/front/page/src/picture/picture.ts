@@ -7,7 +7,7 @@ import { Arrows } from "./arrows";
 import { addBounds, Bodies } from "./bodies";
 import { frames } from "./frames";
 import { colour, ghostly, Painter } from "./painter";
-import { gridStep, View } from "./view";
+import { gridStep, type View } from "./view";
 
 /** Part of a state that the picture shows. */
 type Pose = Pick<DeviceState, "q" | "qStar" | "xProbe" | "x" | "tauA">;
@@ -27,7 +27,6 @@ interface Shown {
 const STILL_MS = 500;
 
 export class Picture {
-  readonly view = new View();
   private readonly painter: Painter;
   private readonly materials = {
     device: new MeshLambertMaterial(),
@@ -46,12 +45,16 @@ export class Picture {
 
   /** Throws if the browser has no WebGL. */
   constructor(canvas: HTMLCanvasElement) {
-    this.painter = new Painter(canvas, this.view.camera, {
+    this.painter = new Painter(canvas, false, {
       theme: () => this.recolour(),
       resize: () => this.view.measure(),
       paint: () => this.shown && this.pose && this.place(this.shown, this.pose),
     });
     this.painter.theme();
+  }
+
+  get view(): View {
+    return this.painter.view;
   }
 
   /** `limits`: per actuator, N or N m; `first`: the pose that the view is made for. Answers with

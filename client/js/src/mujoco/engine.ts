@@ -75,9 +75,7 @@ export class Engine {
   }
   /** An array of numbers that data keeps at one place for its life: looking at data.qpos takes a
    * microsecond. Until the next call into MuJoCo. */
-  view(name: "cdof" | "geom_xmat" | "geom_xpos" | "qacc" | "qfrc_applied" | "qfrc_bias" |
-       "qfrc_constraint" | "qfrc_passive" | "qfrc_smooth" | "qpos" | "qvel" | "site_xmat" |
-       "site_xpos" | "subtree_com" | "xanchor" | "xaxis" | "xmat" | "xpos"): Float64Array {
+  view(name: keyof MjData): Float64Array {
     let view = this.views.get(name);
     if (!view?.length) this.views.set(name, view = this.data[name] as Float64Array);  // it grew
     return view;

@@ -6,8 +6,9 @@ import {
   LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, PlaneGeometry, SphereGeometry,
   Vector3,
 } from "three";
+import { colour } from "../dom";
 import { StraightArrow } from "../picture/arrows";
-import { colour, ghostly, Painter } from "../picture/painter";
+import { ghostly, Painter } from "../picture/painter";
 import type { Geom, Report } from "./messages";
 
 const PLACE = 12; // numbers of a geom: position, rotation matrix
@@ -155,8 +156,8 @@ export class Stage {
   }
 
   private recolour(): void {
-    this.painter.scene.background = colour("--back");
-    this.ghost.color = colour("--body-ghost");
-    this.ink.color = colour("--body-force");
+    this.painter.scene.background = new Color(colour("--back"));
+    this.ghost.color.set(colour("--body-ghost"));
+    this.ink.color.set(colour("--body-force"));
   }
 }

@@ -2,14 +2,10 @@
 // and in the colours of the page's theme.
 
 import {
-  AmbientLight, Color, DirectionalLight, Group, LineSegments, Mesh, MeshLambertMaterial, Scene,
+  AmbientLight, DirectionalLight, Group, LineSegments, Mesh, MeshLambertMaterial, Scene,
   WebGLRenderer,
 } from "three";
 import { View } from "./view";
-
-/** A colour of the page's theme. */
-export const colour = (name: string): Color =>
-  new Color(getComputedStyle(document.documentElement).getPropertyValue(name).trim());
 
 /** A ghost where another body stands gives way to it, so that neither flickers. */
 export const ghostly = (): MeshLambertMaterial => new MeshLambertMaterial({

@@ -3,10 +3,11 @@
 
 import { DrawnPart, type DeviceState, type Drawing } from "hapticd";
 import { Box3, EqualDepth, GridHelper, MeshLambertMaterial, Vector3 } from "three";
+import { colour } from "../dom";
 import { Arrows } from "./arrows";
 import { addBounds, Bodies } from "./bodies";
 import { frames } from "./frames";
-import { colour, ghostly, Painter } from "./painter";
+import { ghostly, Painter } from "./painter";
 import { gridStep, type View } from "./view";
 
 /** Part of a state that the picture shows. */
@@ -133,12 +134,12 @@ export class Picture {
 
   private recolour(): void {
     for (const name of ["device", "ghost", "tool", "proxy", "force"] as const) {
-      this.materials[name].color = colour(`--body-${name}`);
+      this.materials[name].color.set(colour(`--body-${name}`));
     }
     if (!this.shown) return;
     const { material } = this.shown.grid;
     material.vertexColors = false;
-    material.color = colour("--grid");
+    material.color.set(colour("--grid"));
     material.needsUpdate = true;
   }
 }

@@ -28,7 +28,7 @@ local f = {
   payload = ProtoField.uint16("hapticd.payload_length", "Payload length"),
   tag = ProtoField.bytes("hapticd.tag", "Tag"),
 }
-hapticd.fields = { f.magic, f.version, f.type, f.path_id, f.number, f.ciphertext, f.payload, f.tag }
+hapticd.fields = f
 
 local function warning(name, text)
   return ProtoExpert.new("hapticd." .. name, text, expert.group.PROTOCOL, expert.severity.WARN)
@@ -44,9 +44,7 @@ local e = {
   too_old = warning("too_old",
     "Packet number is 1024 or more below the newest: it will be rejected"),
 }
-hapticd.experts = {
-  e.length, e.magic, e.version, e.type, e.number, e.payload, e.repeated, e.too_old
-}
+hapticd.experts = e
 
 -- Packet numbers by flow and path id, in the order of the capture: the first pass fills them, and
 -- what it found of a frame stays.
@@ -74,14 +72,6 @@ local function look_back(pinfo, path_id, number)
   return verdict
 end
 
-local function show_header(buffer, tree)
-  tree:add(f.magic, buffer(0, 2))
-  tree:add(f.version, buffer(2, 1))
-  tree:add(f.type, buffer(3, 1))
-  tree:add(f.path_id, buffer(4, 4))
-  tree:add(f.number, buffer(8, 8))
-end
-
 local function check(buffer, tree)
   local size, kind = buffer:len(), buffer(3, 1):uint()
   if size > LARGEST then tree:add_proto_expert_info(e.length) end
@@ -104,7 +94,11 @@ function hapticd.dissector(buffer, pinfo, root)
     pinfo.cols.info = string.format("%d bytes: too short", size)
     return size
   end
-  show_header(buffer, tree)
+  tree:add(f.magic, buffer(0, 2))
+  tree:add(f.version, buffer(2, 1))
+  tree:add(f.type, buffer(3, 1))
+  tree:add(f.path_id, buffer(4, 4))
+  tree:add(f.number, buffer(8, 8))
   local payload = size - HEADER - TAG
   if payload > 0 then tree:add(f.ciphertext, buffer(HEADER, payload)) end
   tree:add(f.payload, buffer(HEADER, payload), payload):set_generated()

@@ -1,9 +1,7 @@
 // A client of hapticd for Unity and every .NET that has .NET Standard 2.0: copy it into Assets/,
 // and with it DeviceState.cs and HapticPlane.cs, which are made of the messages when hapticd is
-// built. It speaks haptic.v1.proto on a WebSocket (server { web {} }
-// in the scene), so numbers arrive bit for bit.
-// The other messages are read and written at the end of this file, by the numbers of
-// proto/haptic/v1/session.proto.
+// built. It speaks haptic.v1.proto on a WebSocket (server { web {} } in the scene), so numbers
+// arrive bit for bit. Field numbers of other messages are those of proto/haptic/v1/session.proto.
 //
 // Nothing here blocks. Sockets live on the thread pool; every member may be called from any thread,
 // Unity's main thread for instance. Units are SI. An array has one value per degree of freedom or
@@ -33,13 +31,6 @@ public sealed class SessionOptions {
   public TimeSpan Timeout = TimeSpan.FromSeconds(5);  // of the opening, and of each call
 }
 
-/// Something that happened once: Event in session.proto.
-public sealed class HapticEvent {
-  public int Kind;
-  public string Reason = "", Message = "";
-  public Lifecycle State;
-}
-
 /// Reason is the server's stable word ("LEASE_HELD"), or "" if none came.
 public sealed class HapticException : Exception {
   public readonly string Reason;
@@ -49,7 +40,7 @@ public sealed class HapticException : Exception {
 /// A session with one device. It opens in the background; Dispose() ends it, and the server then
 /// lets the force fade out. One that ended stays ended: make another.
 public sealed partial class HapticSession : IDisposable {
-  const int LargestMessage = 65536, MostEvents = 256, MostPlanes = 32, KindFault = 3;
+  const int LargestMessage = 65536, MostEvents = 256, MostPlanes = 32;
   static readonly TimeSpan Silence = TimeSpan.FromSeconds(2.5);
   // Refusals of Engage that time and more samples cure.
   static readonly HashSet<string> Curable = new HashSet<string> {
@@ -264,8 +255,8 @@ public sealed partial class HapticSession : IDisposable {
         state.Arrived = Clock();
         lock (lock_) newest_ = state;
       } else if (message.Field == 3) {
-        HapticEvent told = Messages.Event(inner);
-        if (told.Kind == KindFault) lock (lock_) ++wish_;  // clearing it must not start a motor
+        HapticEvent told = Of(inner, new HapticEvent());
+        if (told.Kind == Kind.Fault) lock (lock_) ++wish_;  // clearing it must not start a motor
         HapticEvent oldest;
         if (events_.Count >= MostEvents) events_.TryDequeue(out oldest);
         events_.Enqueue(told);
@@ -387,23 +378,6 @@ public sealed partial class HapticSession : IDisposable {
       }
     }
     return x;
-  }
-
-  /// Field numbers of session.proto.
-  static class Messages {
-    internal static HapticEvent Event(Reader from) {
-      var to = new HapticEvent();
-      while (from.Next()) {
-        switch (from.Field) {
-          case 1: to.Kind = (int)from.Number(); break;
-          case 3: to.Reason = from.Text(); break;
-          case 4: to.Message = from.Text(); break;
-          case 5: to.State = (Lifecycle)from.Number(); break;
-          default: from.Skip(); break;
-        }
-      }
-      return to;
-    }
   }
 
   /// Writes protocol buffers; a value of 0 and an empty list are absent.

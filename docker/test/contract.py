@@ -45,19 +45,12 @@ def cannot_tell(message: str) -> None:
     sys.exit(3)
 
 
-def need(states: list[dict]) -> list[dict]:
-    if not states:
-        fail("no states to judge")
-    return states
-
-
 def last_loss(states: list[dict]) -> int | None:
     """Index of the last loss of the proxy. A busy machine may have lost it before the trouble
     began, too."""
     lost = [s["staleness"] == "LOST" for s in states]
-    return next(
-        (i for i in reversed(range(len(states))) if lost[i] and not (i and lost[i - 1])), None
-    )
+    return next((i for i in reversed(range(len(states))) if lost[i] and not (i and lost[i - 1])),
+                None)
 
 
 def silence(states: list[dict]) -> None:
@@ -119,9 +112,8 @@ def ramp(states: list[dict]) -> None:
     if back is None:
         fail("force did not come back")
     no_jump(states[lost : back + 1])
-    print(
-        f"force came back over {seconds(states[back]) - seconds(states[lost]):.2f} s after its loss"
-    )
+    took = seconds(states[back]) - seconds(states[lost])
+    print(f"force came back over {took:.2f} s after its loss")
 
 
 def closing(states: list[dict]) -> None:
@@ -131,9 +123,7 @@ def closing(states: list[dict]) -> None:
     # The stream ends with the server: its last state may be a few milliseconds before g = 0 (80 ms
     # from 1).
     if last["state"] not in ("RELEASING", "CLOSING") or last["gain"] > 0.15:
-        cannot_tell(
-            f"the last state that came is {last['state']} with a gain of {last['gain']:.3f}"
-        )
+        cannot_tell(f"the last state that came is {last['state']}, its gain {last['gain']:.3f}")
     print(f"force faded out; {force(last):.2f} N in the last state that was sent")
 
 
@@ -147,37 +137,40 @@ def only(states: list[dict], carrier: str) -> None:
     print(f"force up to {max(map(force, felt)):.1f} N, all by {carrier}")
 
 
-def quiet(states: list[dict], least_s: float) -> None:
+def quiet(states: list[dict], least_s: str) -> None:
     lost = last_loss(states)
-    if lost is None or seconds(states[-1]) - seconds(states[lost]) < least_s:
+    if lost is None or seconds(states[-1]) - seconds(states[lost]) < float(least_s):
         fail("not yet")
 
 
-def spans(states: list[dict], least_s: float) -> None:
-    if seconds(states[-1]) - seconds(states[0]) < least_s:
+def spans(states: list[dict], least_s: str) -> None:
+    if seconds(states[-1]) - seconds(states[0]) < float(least_s):
         fail("not yet")
+
+
+def pressing(states: list[dict]) -> None:
+    last = states[-1]
+    if last["state"] != "ENGAGED" or force(last) <= FELT_N:
+        fail(f"{last['state']}, {force(last):.2f} N")
+
+
+def transport(states: list[dict], carrier: str) -> None:
+    if not any(s["transport"] == carrier and force(s) > FELT_N for s in states):
+        fail(f"no force by {carrier}; seen: {sorted({s['transport'] for s in states})}")
+    print(f"force by {carrier}")
+
+
+COMMANDS = {judge.__name__: judge for judge in (
+    pressing, silence, ramp, closing, transport, only, safe, quiet, spans)}
 
 
 def main() -> None:
-    command, file = sys.argv[1:3]
-    argument = sys.argv[3] if len(sys.argv) > 3 else ""
+    command, file, *arguments = sys.argv[1:]
     with open(file, encoding="utf-8") as lines:
         texts = [line for line in lines if line.startswith("{") and line.endswith("}\n")]
-    states = need([json.loads(line) for line in texts])
-    if command == "pressing":
-        state = states[-1]
-        if not (state["state"] == "ENGAGED" and force(state) > FELT_N):
-            fail(f"{state['state']}, {force(state):.2f} N")
-    elif command == "transport":
-        if not any(s["transport"] == argument and force(s) > FELT_N for s in states):
-            fail(f"no force by {argument}; seen: {sorted({s['transport'] for s in states})}")
-        print(f"force by {argument}")
-    elif command == "only":
-        only(states, argument)
-    elif command in ("quiet", "spans"):
-        {"quiet": quiet, "spans": spans}[command](states, float(argument))
-    else:
-        {"silence": silence, "ramp": ramp, "closing": closing, "safe": safe}[command](states)
+    if not texts:
+        fail("no states to judge")
+    COMMANDS[command]([json.loads(line) for line in texts], *arguments)
 
 
 if __name__ == "__main__":

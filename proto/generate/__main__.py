@@ -12,21 +12,11 @@ import sys
 import c
 import cpp
 import csharp
-import owner
-import planes
 import python
+import server
 from schema import Schema
 
-KINDS = {
-    "owner": owner.write_state,           # core::TickRecord -> v1::DeviceState
-    "cpp": cpp.state_header,              # client::DeviceState
-    "cpp_convert": cpp.state_conversion,  # to and from v1::DeviceState
-    "c": c.state_header,                  # haptic_state
-    "c_convert": c.state_conversion,      # client::DeviceState -> haptic_state
-    "python": python.messages,            # DeviceState and Plane, from and to the C structs
-    "csharp": csharp.state,               # DeviceState, and how it is read
-    **planes.KINDS,
-}
+KINDS = {**server.KINDS, **cpp.KINDS, **c.KINDS, **csharp.KINDS, **python.KINDS}
 
 
 def main() -> None:

@@ -1,15 +1,16 @@
-"""C: haptic_state, and how the library fills it from haptic::client::DeviceState.
+"""C: haptic_state, haptic_plane and haptic_contact, and their way from and to haptic::client.
 
 The members stand in the order of the fields' numbers: a new field has the highest number, so it
 comes last, as the ABI wants. The messages in DeviceState do not grow.
 """
 
-import cpp
-from schema import Field, Message, Schema, wrapped
+from cpp import TYPES as CPP_TYPES
+from cpp import name_of, source
+from schema import MADE, Field, Schema, wrapped
 
-_MADE = "Made of proto/haptic/v1/session.proto by proto/generate: nothing to edit here."
-_TYPES = {"double": "double", "uint32": "uint32_t", "uint64": "uint64_t", "int64": "int64_t",
-          "enum": "int32_t"}
+_TYPES = {kind: name.removeprefix("std::") for kind, name in CPP_TYPES.items()}
+_TYPES["enum"] = "int32_t"
+_LENGTHS = {"normal": "HAPTIC_MAX_COORDINATES", "curvature": "36", "object_direction": "6"}
 
 
 def _name(message: str) -> str:
@@ -17,11 +18,7 @@ def _name(message: str) -> str:
     return "haptic_state" if message == "DeviceState" else "haptic" + words.removesuffix("_state")
 
 
-def _type(field: Field) -> str:
-    if field.kind == "message":
-        return _name(field.type)
-    if not field.repeated:
-        return _TYPES[field.kind]
+def _list(field: Field) -> str:
     if field.kind == "uint32" and field.axis in ("DOF", "ACTUATED"):
         return "haptic_dof_bits"
     if field.kind == "double" and field.axis:
@@ -30,35 +27,73 @@ def _type(field: Field) -> str:
                      "or, per DoF, of uint32")
 
 
-def _members(message: Message) -> list[Field]:
-    return sorted(message.fields, key=lambda field: field.number)
+def _in_state(field: Field) -> list[str]:
+    kind = _name(field.type) if field.kind == "message" else \
+        _list(field) if field.repeated else _TYPES[field.kind]
+    return [f"{kind} {field.called};"]
 
 
-def _struct(message: Message, first: list[str]) -> list[str]:
-    lines = ["", *_comment(message.comment, ""), f"typedef struct {_name(message.name)} {{", *first]
-    for field in _members(message):
-        lines += _comment(field.about(), "  ")
-        lines.append(f"  {_type(field)} {field.called};")
-    return lines + [f"}} {_name(message.name)};"]
+def _in_plane(field: Field) -> list[str]:
+    """A list has its count before it, unless it is as long as the device has coordinates."""
+    if field.repeated:
+        count = [] if field.axis else [f"uint32_t {field.name}_count;"]
+        return [*count, f"{_TYPES[field.kind]} {field.name}[{_LENGTHS[field.name]}];"]
+    has = [f"int32_t has_{field.name}; /* 0: the next is absent */"] if field.optional else []
+    return [*has, f"{_TYPES[field.kind]} {field.name};"]
 
 
-def _comment(text: str, indent: str) -> list[str]:
+def _by_number(fields: list[Field]) -> list[Field]:
+    return sorted(fields, key=lambda field: field.number)
+
+
+def _members(fields: list[Field], note, declared) -> list[str]:
+    lines = []
+    for field in _by_number(fields):
+        lines += _comment(note(field), "  ") + ["  " + line for line in declared(field)]
+    return lines
+
+
+def _comment(text: str, indent: str = "") -> list[str]:
     return wrapped(text, indent + "/* ", indent + " * ", " */") if text else []
 
 
+def _struct(name: str, comment: str, members: list[str]) -> list[str]:
+    return ["", *_comment(comment), f"typedef struct {name} {{", *members, f"}} {name};"]
+
+
+def _header(name: str, more: str, include: str, body: list[str]) -> list[str]:
+    guard = f"HAPTIC_HAPTIC_{name}_H"
+    return [f"#ifndef {guard}", f"#define {guard}", f"/* {MADE}", f" * {more} */",
+            f"#include <haptic/{include}>", *body, "", "#endif"]
+
+
 def state_header(schema: Schema) -> list[str]:
-    lines = ["#ifndef HAPTIC_HAPTIC_STATE_H", "#define HAPTIC_HAPTIC_STATE_H",
-             f"/* {_MADE}", " * The rules of structs are in haptic_types.h. */",
-             "#include <haptic/haptic_lists.h>"]
-    for message in schema.reachable("DeviceState"):
+    body = []
+    for message in schema.state:
         top = message.name == "DeviceState"
-        first = "size_t size;" if top else "int32_t present; /* 0: absent */"
-        lines += _struct(message, ["  " + first])
-    return lines + ["", "#endif"]
+        first = "  size_t size;" if top else "  int32_t present; /* 0: absent */"
+        body += _struct(_name(message.name), message.comment,
+                        [first, *_members(message.fields, Field.about, _in_state)])
+    return _header("STATE", "The rules of structs are in haptic_types.h.", "haptic_lists.h", body)
+
+
+def plane_header(schema: Schema) -> list[str]:
+    geometry = ["  haptic_point point;  /* its size too must be set */",
+                "  double normal[3];    /* of the object at the nearest point, outwards */",
+                "  double gap;          /* from the object to the point along the normal, m; < 0: "
+                "inside */",
+                "  double curvature[6]; /* of the object; haptic_sphere_curvature() */",
+                "  double stiffness;    /* of point and object in series, N/m; 0: rigid */"]
+    plane = _members(schema.plane.fields, Field.of_plane, _in_plane)
+    told = _members(schema.told, Field.of_contact, _in_plane)
+    return _header("PLANE", "haptic_contact.h includes this.", "haptic_point.h", [
+        *_struct("haptic_plane", schema.plane.comment, ["  size_t size;", *plane]),
+        *_struct("haptic_contact", "A point of the tool against an object.",
+                 ["  size_t size;", *geometry, *told])])
 
 
 def _assigned(field: Field) -> str:
-    to, got = f"to.{field.called}", f"from.{cpp.name_of(field)}"
+    to, got = f"to.{field.called}", f"from.{name_of(field)}"
     if field.kind == "message":
         return f"if ({got}) write(*{got}, {to});"
     if field.repeated:
@@ -71,10 +106,48 @@ def _assigned(field: Field) -> str:
 
 
 def state_conversion(schema: Schema) -> list[str]:
-    lines = [f"// {_MADE}", '#include "state_struct.hpp"', "", "namespace haptic::c {"]
-    for message in schema.reachable("DeviceState"):
+    body = []
+    for message in schema.state:
         top = message.name == "DeviceState"
         head = f"void write(const client::{message.name}& from, {_name(message.name)}& to) {{"
-        lines += ["", head if top else "static " + head, *([] if top else ["  to.present = 1;"]),
-                  *(f"  {_assigned(field)}" for field in _members(message)), "}"]
-    return lines + ["", "}  // namespace haptic::c"]
+        body += ["", head if top else "static " + head, *([] if top else ["  to.present = 1;"]),
+                 *(f"  {_assigned(field)}" for field in _by_number(message.fields)), "}"]
+    return source(['#include "state_struct.hpp"'], "haptic::c", body)
+
+
+def _reader(name: str, struct: str, called: str, fields: list[Field]) -> list[str]:
+    lines = ["", f"void read_fields(const {struct}& from, client::{name}& to) {{"]
+    for field in fields:
+        got, to = f"from.{field.name}", f"to.{field.name}"
+        if field.repeated:
+            lines += [f'  at_most("{called}{field.name}_count", {got}_count, std::size({got}));',
+                      f"  {to}.assign({got}, {got} + {got}_count);"]
+        else:
+            when = f"if ({'from.has_' + field.name} != 0) " if field.optional else ""
+            lines.append(f"  {when}{to} = {got};")
+    return lines + ["}"]
+
+
+def plane_conversion(schema: Schema) -> list[str]:
+    plane = [field for field in schema.plane.fields if not field.axis]
+    body = [*_reader("Plane", "haptic_plane", "plane.", plane),
+            *_reader("Contact", "haptic_contact", "contact->", schema.told), "",
+            "void write_fields(const client::Plane& from, haptic_plane& to) {"]
+    for field in plane:
+        got, to = f"from.{field.name}", f"to.{field.name}"
+        if field.repeated:
+            body.append(f"  {to}_count = write_values({got}, {to});")
+        elif field.optional:
+            body += [f"  to.has_{field.name} = {got}.has_value();",
+                     f"  {to} = {got}.value_or({CPP_TYPES[field.kind]}{{}});"]
+        else:
+            body.append(f"  {to} = {got};")
+    return source(['#include "convert_plane.hpp"'], "haptic::c", body + ["}"])
+
+
+KINDS = {
+    "c": state_header,                    # haptic_state
+    "c_convert": state_conversion,        # of client::DeviceState
+    "c_plane": plane_header,              # haptic_plane and haptic_contact
+    "c_plane_convert": plane_conversion,  # from and to client::Plane and client::Contact
+}

@@ -4,10 +4,9 @@ to the C structs.
 A time in microseconds becomes seconds. An enum becomes its value's name.
 """
 
-from planes import about, told
-from schema import Enum, Field, Message, Schema, capitals, wrapped
+from schema import MADE, Enum, Field, Message, Schema, capitals, wrapped
 
-_HEAD = '''"""Made of proto/haptic/v1/session.proto by proto/generate: nothing to edit here."""
+_HEAD = f'''"""{MADE}"""
 
 from __future__ import annotations
 
@@ -102,7 +101,7 @@ def _state(message: Message) -> list[str]:
 def _plane(message: Message) -> list[str]:
     """Goes up, and is made by people: all but normal and offset have defaults."""
     return [*_class("Plane", message.comment),
-            *_members(message.fields, [about(field, False) for field in message.fields], 2),
+            *_members(message.fields, [field.of_plane() for field in message.fields], 2),
             *_normalised(message.fields), "", "    @classmethod",
             "    def of(cls, c: Any, count: int) -> Plane:",
             '        """`count`: how many coordinates the device has."""', "        return cls(",
@@ -113,7 +112,7 @@ def _plane(message: Message) -> list[str]:
 def _contact(fields: list[Field]) -> list[str]:
     same = "What a contact and its Plane have by the same name."
     return [*_class("Told", same, ", kw_only=True"),
-            *_members(fields, [about(field, True) for field in fields], 0), *_normalised(fields),
+            *_members(fields, [field.of_contact() for field in fields], 0), *_normalised(fields),
             "", "    def tell(self, c: Any) -> None:", *_fill(fields)]
 
 
@@ -124,11 +123,14 @@ def _enum(enum: Enum) -> list[str]:
 
 
 def messages(schema: Schema) -> list[str]:
-    used = {enum.name: enum for enum in schema.enums_of("DeviceState")}
+    used = {enum.name: enum for enum in schema.state_enums}
     used |= {name: schema.enums[name] for name in ("Renderer", "Kind")}
     lines = _HEAD.splitlines()
     for enum in used.values():
         lines += _enum(enum)
-    for message in schema.reachable("DeviceState"):
+    for message in schema.state:
         lines += _state(message)
-    return lines + _plane(schema.messages["Plane"]) + _contact(told(schema))
+    return lines + _plane(schema.plane) + _contact(schema.told)
+
+
+KINDS = {"python": messages}  # from and to the C structs

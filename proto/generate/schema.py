@@ -6,12 +6,14 @@ import textwrap
 from google.protobuf import descriptor_pb2 as pb
 from google.protobuf import descriptor_pool, message_factory
 
+MADE = "Made of proto/haptic/v1/session.proto by proto/generate: nothing to edit here."
 _FILE_MESSAGE, _FILE_ENUM, _MESSAGE_FIELD = 4, 5, 2  # field numbers of descriptor.proto
 _KINDS = {
     pb.FieldDescriptorProto.TYPE_DOUBLE: "double",
     pb.FieldDescriptorProto.TYPE_UINT32: "uint32",
     pb.FieldDescriptorProto.TYPE_UINT64: "uint64",
     pb.FieldDescriptorProto.TYPE_INT64: "int64",
+    pb.FieldDescriptorProto.TYPE_STRING: "string",
     pb.FieldDescriptorProto.TYPE_ENUM: "enum",
     pb.FieldDescriptorProto.TYPE_MESSAGE: "message",
 }
@@ -20,7 +22,7 @@ AXES = {"": "", "DOF": "per DoF", "ACTUATED": "per actuated DoF", "COORDINATE": 
 
 @dataclasses.dataclass(frozen=True)
 class Field:
-    """kind: double, uint32, uint64, int64, enum or message; type: name of that enum or message.
+    """kind: double, uint32, uint64, int64, string, enum or message; type: name of the last two.
 
     axis: "", DOF, ACTUATED or COORDINATE. optional: its absence can be told from 0. The rest are
     options of field_options.proto.
@@ -55,8 +57,18 @@ class Field:
         if "POSITION" in unit or "EFFORT" in unit:
             unit = " or ".join(unit.replace("POSITION", position).replace("EFFORT", effort)
                                for position, effort in (("m", "N"), ("rad", "N m")))
-        words = " ".join(filter(None, [unit, AXES[self.axis]]))
-        return " ".join(filter(None, [self.comment, f"[{words}]" if words else ""]))
+        return self._noted(" ".join(filter(None, [unit, AXES[self.axis]])))
+
+    def of_plane(self) -> str:
+        """The comment of a field of Plane, and [what the server takes]."""
+        return self._noted(self.allowed)
+
+    def of_contact(self) -> str:
+        """The same of a contact, and [unit]."""
+        return self._noted(self.unit)
+
+    def _noted(self, note: str) -> str:
+        return " ".join(filter(None, [self.comment, f"[{note}]" if note else ""]))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -92,18 +104,31 @@ class Schema:
             if file.package == "haptic.v1":
                 self._read(file)
 
-    def reachable(self, name: str) -> list[Message]:
-        """The message and what it holds, those first that others hold."""
-        held = [m for field in self.messages[name].fields if field.kind == "message"
-                for m in self.reachable(field.type)]
-        unique = {message.name: message for message in [*held, self.messages[name]]}
-        return list(unique.values())
+    @property
+    def state(self) -> list[Message]:
+        """DeviceState, and before it the messages that it holds."""
+        top = self.messages["DeviceState"]
+        lists = [field.name for field in top.fields if field.kind == "message" and field.repeated]
+        if lists:
+            raise SystemExit(f"DeviceState.{lists[0]}: a list of messages has no place in a state")
+        held = [field.type for field in top.fields if field.kind == "message"]
+        return [*(self.messages[name] for name in held), top]
 
-    def enums_of(self, name: str) -> list[Enum]:
-        """The enums of the fields of `name` and of what it holds."""
-        used = {field.type for message in self.reachable(name) for field in message.fields
+    @property
+    def state_enums(self) -> list[Enum]:
+        used = {field.type for message in self.state for field in message.fields
                 if field.kind == "enum"}
         return [enum for enum in self.enums.values() if enum.name in used]
+
+    @property
+    def plane(self) -> Message:
+        return self.messages["Plane"]
+
+    @property
+    def told(self) -> list[Field]:
+        """Fields that a contact has as well: those that contact_at() does not make of its
+        geometry."""
+        return [field for field in self.plane.fields if not field.of_geometry]
 
     def _read(self, file: pb.FileDescriptorProto) -> None:
         places = file.source_code_info.location

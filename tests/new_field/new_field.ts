@@ -1,5 +1,5 @@
-/** Prints the fields that only a test declares: of a state's bytes as members and in the list that
- * the page shows, and of a contact of 3 N with a coupling of 2 N/m. */
+/** Prints the fields that only a test declares: of a state's bytes as members and in the list of
+ * stateFields(), and of a contact of 3 N with a coupling of 2 N/m. */
 import { readFileSync } from "node:fs";
 import { create, fromBinary } from "@bufbuild/protobuf";
 import { DeviceSchema } from "./gen/haptic/v1/haptic_service_pb.js";

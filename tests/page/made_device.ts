@@ -1,8 +1,13 @@
 // Two devices made by hand: a finger whose carriage slides and whose links turn, and a hand of five
 // such fingers.
 
-import type { Drawing, DrawnBody } from "../../server/front/page/src/picture/drawing";
-import type { Device, DeviceState } from "../../server/front/page/src/model";
+import type { Device, DeviceState, Drawing, DrawnBody } from "hapticd";
+
+/** Some of a message's fields. */
+type Some<T> = T extends readonly (infer Item)[] ? Some<Item>[]
+  : T extends object ? { [Name in keyof T]?: Some<T[Name]> } : T;
+/** A message of which the page reads these fields. */
+export const message = <T>(fields: Some<T>): T => fields as T;
 
 const FINGERS = ["thumb", "index", "middle", "ring", "little"];
 const RADIUS = 0.008;
@@ -10,42 +15,32 @@ const RADIUS = 0.008;
 const motion = (kind: number, axis: number[], value: number, index: number) => ({
   kind, axis, value, index, factor: 1, offset: 0, target: 0, targetPoint: [],
 });
-const body = (name: string, part: number, parent: number, position: number[]): DrawnBody => ({
-  name, part, parent, position, orientation: [], motions: [], capsules: [],
-});
+const body = (name: string, part: number, parent: number, position: number[],
+              more: Some<DrawnBody>) => message<DrawnBody>(
+  { name, part, parent, position, orientation: [], motions: [], capsules: [], ...more });
 
 /** Bodies of finger `n` that stands at `z`, after `first` others. */
 function finger(n: number, z: number, first: number): DrawnBody[] {
   const capsule = (to: number[], radius: number) => ({ from: [], to, radius });
   const along = [0.045, 0, 0];
   return [
-    {
-      ...body(`${FINGERS[n]} rail`, 1, -1, [-0.05, 0.035, z]),
-      capsules: [capsule([0.05, 0, 0], 0.002)],
-    },
-    {
-      ...body(`${FINGERS[n]} carriage`, 1, first, []),
-      motions: [motion(2, [1, 0, 0], 1, 2 * n)],
-      capsules: [capsule([], 0.006)],
-    },
-    {
-      ...body(`${FINGERS[n]} link`, 1, first + 1, []),
+    body(`${FINGERS[n]} rail`, 1, -1, [-0.05, 0.035, z],
+         { capsules: [capsule([0.05, 0, 0], 0.002)] }),
+    body(`${FINGERS[n]} carriage`, 1, first, [],
+         { motions: [motion(2, [1, 0, 0], 1, 2 * n)], capsules: [capsule([], 0.006)] }),
+    body(`${FINGERS[n]} link`, 1, first + 1, [], {
       motions: [motion(1, [0, 0, 1], 1, 2 * n + 1)],
       capsules: [
         capsule([0.04, 0, 0], 0.003),
         { from: [0.04, 0, 0], to: [0.06, -0.015, 0], radius: 0.003 },
       ],
-    },
-    {
-      ...body(`${FINGERS[n]} proximal`, 2, -1, [0, 0, z]),
-      motions: [motion(1, [0, 0, -1], 2, 2 * n)],
-      capsules: [capsule(along, RADIUS)],
-    },
-    {
-      ...body(`${FINGERS[n]} middle`, 2, first + 3, along),
+    }),
+    body(`${FINGERS[n]} proximal`, 2, -1, [0, 0, z],
+         { motions: [motion(1, [0, 0, -1], 2, 2 * n)], capsules: [capsule(along, RADIUS)] }),
+    body(`${FINGERS[n]} middle`, 2, first + 3, along, {
       motions: [motion(1, [0, 0, -1], 2, 2 * n + 1)],
       capsules: [capsule([0.03, 0, 0], RADIUS)],
-    },
+    }),
   ];
 }
 
@@ -55,13 +50,13 @@ function drawing(count: number): Drawing {
   const forces = Array.from({ length: count }, (_, n) => ({
     actuator: n, body: 5 * n + 1, point: [], axis: [1, 0, 0], torque: false,
   }));
-  return { bodies, forces };
+  return message<Drawing>({ bodies, forces });
 }
 
 function device(name: string, count: number): Device {
   const prefix = (n: number) => (count > 1 ? `${FINGERS[n]}.` : "");
   const each = <T>(make: (n: number) => T) => Array.from({ length: count }, (_, n) => make(n));
-  return {
+  return message<Device>({
     name,
     kind: "simulated",
     model: "finger exoskeleton",
@@ -79,7 +74,7 @@ function device(name: string, count: number): Device {
     calibrated: "",
     unguarded: [],
     drawing: drawing(count),
-  };
+  });
 }
 
 export function madeDevices(): Device[] {
@@ -94,7 +89,7 @@ export function madeState(name: string, t: number, faults: number): DeviceState 
   const phase = (n: number) => Math.sin(1.3 * t + 0.5 * n);
   const touch = faults === 0 && phase(0) > 0.1;
   const push = (n: number) => (faults === 0 ? Math.max(phase(n) - 0.1, 0) : 0);
-  return {
+  return message<DeviceState>({
     seq: BigInt(Math.round(t * 1000)),
     serverTimeNs: BigInt(Math.round((1000 + t) * 1e9)),
     state: faults === 0 ? 5 : 7,
@@ -118,5 +113,5 @@ export function madeState(name: string, t: number, faults: number): DeviceState 
     faults,
     limiters: touch && phase(0) > 0.9 ? 2 : 0,
     passivity: { tank: 0.003 - 0.001 * push(0) },
-  };
+  });
 }

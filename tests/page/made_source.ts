@@ -1,11 +1,11 @@
 // A stand-in for the server in tests of the page alone: two devices whose states are made by hand,
 // and everything that a server may answer, set by the test through `window.made`.
 
-import type { Device, ServerInfo, SessionLink } from "../../server/front/page/src/model";
 import {
-  SourceError, type Listener, type Source, type Watching,
-} from "../../server/front/page/src/source";
-import { madeDevices, madeState } from "./made_device";
+  ClientError, type Device, type Event, type GetServerInfoResponse, type SessionLink,
+} from "hapticd";
+import type { Listener, Source } from "../../server/front/page/src/live_source";
+import { madeDevices, madeState, message } from "./made_device";
 
 export interface Made {
   key: boolean; // the page has one
@@ -30,7 +30,7 @@ export const made: Made = {
   stops: 0,
   refuseStops: 0,
   clears: [],
-  lose: () => made.listener?.ended(new SourceError("unavailable", "UNAVAILABLE", "it was lost")),
+  lose: () => made.listener?.ended(new ClientError("unavailable", "UNAVAILABLE", "it was lost")),
 };
 
 const RATE_HZ = 60;
@@ -39,26 +39,20 @@ const EMERGENCY_STOP = 1 << 7;
 const duration = (ms: number) => ({ seconds: 0n, nanos: ms * 1e6 });
 
 export class MadeSource implements Source {
-  readonly faultNames = [
-    "-", "DEVICE_SILENT", "DEVICE_LOST", "SAMPLE_NOT_FINITE", "SAMPLE_OUT_OF_RANGE", "LOOP_LATE",
-    "LATE_BUCKET_FULL", "EMERGENCY_STOP",
-  ];
-  readonly limiterNames = ["SATURATION", "SLEW", "ENVELOPE", "DIRECTION_GUARD"];
-
   constructor(private readonly token?: string) {}
 
   private answer<T>(value: T): Promise<T> {
-    if (made.gone) return Promise.reject(new SourceError("unavailable", "UNAVAILABLE", "gone"));
+    if (made.gone) return Promise.reject(new ClientError("unavailable", "UNAVAILABLE", "gone"));
     if (made.key || this.token === "0123456789abcdef") return Promise.resolve(value);
-    return Promise.reject(new SourceError("unauthenticated", "UNAUTHENTICATED", "no key"));
+    return Promise.reject(new ClientError("unauthenticated", "UNAUTHENTICATED", "no key"));
   }
 
   devices(): Promise<Device[]> {
     return this.answer(madeDevices());
   }
 
-  serverInfo(): Promise<ServerInfo> {
-    return this.answer({
+  serverInfo(): Promise<GetServerInfoResponse> {
+    return this.answer(message<GetServerInfoResponse>({
       version: "0.1.0",
       scene: "made by hand",
       realtime: { grade: "best-effort", explanation: "no SCHED_FIFO: not permitted" },
@@ -73,11 +67,11 @@ export class MadeSource implements Source {
       maxSessions: 8,
       sessions: 2,
       uptime: { seconds: 7384n, nanos: 0 },
-    });
+    }));
   }
 
   links(): Promise<SessionLink[]> {
-    const link = {
+    const link = message<SessionLink>({
       device: "finger",
       clientName: "soft-grasp",
       role: 1,
@@ -94,8 +88,8 @@ export class MadeSource implements Source {
       ],
       ageP50: duration(9.1),
       ageP99: duration(14.8),
-    };
-    const page = {
+    });
+    const page = message<SessionLink>({
       device: "finger",
       clientName: "page in a browser",
       role: 2,
@@ -103,11 +97,11 @@ export class MadeSource implements Source {
       samplesBy: 0,
       statesBy: 3,
       transports: [{ transport: 3 }],
-    };
+    });
     return this.answer([link, page]);
   }
 
-  watch(device: string, listener: Listener): Watching {
+  watch(device: string, listener: Listener) {
     made.listener = listener;
     const begin = performance.now();
     const timer = setInterval(() => {
@@ -119,8 +113,8 @@ export class MadeSource implements Source {
       clearInterval(timer);
       lose();
     };
-    const message = "lease granted to 'soft-grasp'";
-    listener.event({ kind: 9, serverTimeNs: 1n, reason: "LEASE_GRANTED", message });
+    listener.event(message<Event>({ kind: 9, serverTimeNs: 1n, reason: "LEASE_GRANTED",
+                                    message: "lease granted to 'soft-grasp'" }));
     return { close: () => clearInterval(timer) };
   }
 
@@ -132,7 +126,7 @@ export class MadeSource implements Source {
     made.stops++;
     if (made.refuseStops > 0) {
       made.refuseStops--;
-      return Promise.reject(new SourceError("unavailable", "UNAVAILABLE", "no answer"));
+      return Promise.reject(new ClientError("unavailable", "UNAVAILABLE", "no answer"));
     }
     made.faults |= EMERGENCY_STOP;
     return this.answer(["finger", "hand"]);
@@ -145,6 +139,6 @@ export class MadeSource implements Source {
   }
 
   release(): Promise<void> {
-    return Promise.reject(new SourceError("already_exists", "LEASE_HELD", "held by soft-grasp"));
+    return Promise.reject(new ClientError("already_exists", "LEASE_HELD", "held by soft-grasp"));
   }
 }

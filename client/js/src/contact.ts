@@ -8,8 +8,8 @@ import { getOption } from "@bufbuild/protobuf";
 import { by_coupling, of_geometry } from "./gen/haptic/v1/field_options_pb.js";
 import { PlaneSchema } from "./gen/haptic/v1/session_pb.js";
 import type { Plane } from "./proxy.js";
-
-export type Vector3 = readonly [number, number, number];
+import { add, cross, dot } from "./vectors.js";
+import type { Vector3 } from "./vectors.js";
 
 /** A point of the tool, and how it moves with n <= 8 consecutive coordinates. */
 export interface PointMap {
@@ -31,9 +31,6 @@ export interface JointAxis {
   prismatic?: boolean;
 }
 
-const cross = (a: Vector3, b: Vector3): Vector3 =>
-  [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const dot = (a: Vector3, b: Vector3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 /** Vector of f(k) for the three directions. */
 const vector = (f: (k: 0 | 1 | 2) => number): Vector3 => [f(0), f(1), f(2)];
 /** f(j, k) for the lower triangle of an n x n matrix, row by row. */
@@ -50,7 +47,7 @@ function triangle<T>(n: number, f: (row: number, column: number) => T): T[] {
  * joint k has dp/dx_k = a_k, and d2p/dx_j dx_k = 0 for a prismatic j. */
 export function pointOnJoints(joints: JointAxis[], point: Vector3, firstCoordinate = 0): PointMap {
   const jacobian = joints.map(({ origin, axis, prismatic }) =>
-    prismatic ? axis : cross(axis, vector((k) => point[k] - origin[k])));
+    prismatic ? axis : cross(axis, add(point, -1, origin)));
   const second = triangle(joints.length, (k, j) =>
     joints[j]!.prismatic ? vector(() => 0) : cross(joints[j]!.axis, jacobian[k]!));
   return { firstCoordinate, position: point, jacobian, second };
@@ -112,7 +109,7 @@ export function pointOnPose(x: number[], offset: Vector3, firstCoordinate = 0): 
     (8 * q[i]! * q[j]! - (i === j ? 2 : 0)) * turned[k]) / length ** 2);
   return {
     firstCoordinate,
-    position: vector((k) => itself.position[k] + turned[k]),
+    position: add(itself.position, 1, turned),
     jacobian: [...itself.jacobian,
       ...slope.map((s, i) => vector((k) => (s[k] - 2 * q[i]! * turned[k]) / length))],
     second: triangle(7, (i, j) => (j >= 3 ? bend(i - 3, j - 3) : vector(() => 0))),

@@ -18,7 +18,7 @@ export {
   contactAt, contactHorizon, cylinderCurvature, pointItself, pointOnFinger, pointOnJoints,
   pointOnPose, sphereCurvature,
 } from "./contact.js";
-export type { Contact, JointAxis, PointMap, Vector3 } from "./contact.js";
+export type { Contact, JointAxis, PointMap } from "./contact.js";
 export { ClientError } from "./errors.js";
 export type { Code } from "./errors.js";
 export { Proxy, difference, keepDeepest } from "./proxy.js";
@@ -32,6 +32,7 @@ export type { StateField } from "./state_fields.js";
 export type { PublishStatistics } from "./statistics.js";
 export type { Format } from "./stream.js";
 export type { TlsOptions } from "./transport.js";
+export type { Vector3 } from "./vectors.js";
 export * from "./gen/haptic/v1/drawing_pb.js";
 export * from "./gen/haptic/v1/haptic_service_pb.js";
 export * from "./gen/haptic/v1/session_pb.js";

@@ -1,6 +1,8 @@
 /** The proxy of a simulation that has contacts and no solver of its own. */
 import { contactAt, type Contact } from "./contact.js";
 import { Proxy, type Plane } from "./proxy.js";
+import { Skyline } from "./skyline.js";
+import { along } from "./vectors.js";
 
 export interface SolveOptions {
   /** Where to begin: the last proxy, so that the tool stays on the side of each object that it came
@@ -36,38 +38,23 @@ const HALVINGS = 30;
 const RIGID = 1e-12;
 const NOISE = 1e-14;  // of the energy: what rounding may raise it by
 
-const dot = (a: Vector, b: Vector): number => a.reduce((sum, value, i) => sum + value * b[i]!, 0);
 const plus = (a: Vector, factor: number, b: Vector): Vector =>
   a.map((value, i) => value + factor * b[i]!);
 
-/** Cholesky's factor of a symmetric A; undefined: A is not positive definite. */
-function factor(A: Matrix): Matrix | undefined {
-  const L: Matrix = [];
-  for (const [i, row] of A.entries()) {
-    const made: Vector = [];
-    for (let j = 0; j <= i; ++j) {
-      const other = j === i ? made : L[j]!;
-      const rest = row[j]! - made.reduce((sum, value, k) => sum + value * (other[k] ?? 0), 0);
-      if (j === i && !(rest > 1e-14 * row[i]!)) return undefined;
-      made.push(j === i ? Math.sqrt(rest) : rest / other[j]!);
-    }
-    L.push(made);
-  }
-  return L;
+/** A symmetric A by its factor; undefined: A is not positive definite. */
+function factor(A: Matrix): Skyline | undefined {
+  const L = new Skyline();
+  L.begin(A.length);
+  A.forEach((_, i) => L.reach(i, 0));
+  A.forEach((row, i) => row.slice(0, i + 1).forEach((value, k) => L.add(i, k, value)));
+  return L.factor(0, 1e-14) ? L : undefined;
 }
 
 /** A^-1 b, by the factor L of A. */
-function solved(L: Matrix, b: Vector): Vector {
-  const x = [...b];
-  for (let i = 0; i < x.length; ++i) {
-    for (let k = 0; k < i; ++k) x[i]! -= L[i]![k]! * x[k]!;
-    x[i]! /= L[i]![i]!;
-  }
-  for (let i = x.length - 1; i >= 0; --i) {
-    for (let k = i + 1; k < x.length; ++k) x[i]! -= L[k]![i]! * x[k]!;
-    x[i]! /= L[i]![i]!;
-  }
-  return x;
+function solved(L: Skyline, b: Vector): Vector {
+  const x = Float64Array.from(b);
+  L.solve(x);
+  return [...x];
 }
 
 /** The m >= 0 that minimises m^T A m / 2 + b^T m, A positive definite (Lawson and Hanson, Solving
@@ -76,7 +63,7 @@ function pushes(A: Matrix, b: Vector): Vector {
   const m = b.map(() => 0), least = 1e-14 * Math.max(0, ...b.map(Math.abs));
   let pushing: number[] = [];
   for (let turn = 0; turn < 3 * b.length; ++turn) {
-    const depths = b.map((gap, i) => (pushing.includes(i) ? 0 : -gap - dot(A[i]!, m)));
+    const depths = b.map((gap, i) => (pushing.includes(i) ? 0 : -gap - along(A[i]!, m)));
     const deepest = depths.indexOf(Math.max(...depths));
     if (!(depths[deepest]! > least)) break;
     pushing.push(deepest);
@@ -149,14 +136,14 @@ interface Step {
 }
 
 /** To the minimum of the model whose second derivative has the factor L. */
-function stepBy(at: Place, pull: Vector, L: Matrix): Step {
+function stepBy(at: Place, pull: Vector, L: Skyline): Step {
   const free = solved(L, pull);
   const moves = at.gradients.map((gradient) => solved(L, gradient));
-  const A = at.gradients.map((gradient) => moves.map((move) => dot(gradient, move)));
+  const A = at.gradients.map((gradient) => moves.map((move) => along(gradient, move)));
   for (const [i, row] of A.entries()) {
     row[i] = row[i]! + Math.max(at.planes[i]!.compliance, RIGID * row[i]!) || 1;
   }
-  const forces = pushes(A, at.gaps.map((gap, i) => gap + dot(at.gradients[i]!, free)));
+  const forces = pushes(A, at.gaps.map((gap, i) => gap + along(at.gradients[i]!, free)));
   return { pushes: forces, way: moves.reduce((way, move, i) => plus(way, forces[i]!, move), free) };
 }
 

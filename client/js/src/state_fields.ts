@@ -22,8 +22,8 @@ export interface StateField {
   units: string[];
   /** number: itself; name: "ENGAGED"; bits: names apart by "|". Empty if the field is absent. */
   values: (number | bigint | string)[];
-  /** message: the fields of each; one with empty values stands for an absent message. */
-  messages: StateField[][];
+  /** message: its fields; without values if it is absent. */
+  fields: StateField[];
 }
 
 interface Label {
@@ -49,21 +49,24 @@ function fieldsOf(type: DescMessage, message: Message | undefined, labels: Label
   return type.fields.map((field) => {
     const which = getOption(field, axis), named = labels(which);
     const values = valuesOf(field, held);
-    const nested = field.message;
     return {
       name: field.name,
-      kind: nested ? "message" : field.enum ? "name" : hasOption(field, bits) ? "bits" : "number",
+      kind: kindOf(field),
       repeated: field.fieldKind === "list",
       axis: AXES[which],
       labels: named.map(({ name }) => name),
       units: which === Axis.UNSPECIFIED ? [unitOf(field, "")]
                                         : named.map((label) => unitOf(field, label.unit)),
-      values: nested ? [] : values.map((value) => shown(field, value)),
-      messages: !nested ? [] : field.fieldKind !== "list" && values.length === 0
-        ? [fieldsOf(nested, undefined, labels)]
-        : values.map((value) => fieldsOf(nested, (value as ReflectMessage).message, labels)),
+      values: field.message ? [] : values.map((value) => shown(field, value)),
+      fields: !field.message ? []
+        : fieldsOf(field.message, (values[0] as ReflectMessage | undefined)?.message, labels),
     };
   });
+}
+
+function kindOf(field: DescField): StateField["kind"] {
+  if (field.message) return "message";
+  return field.enum ? "name" : hasOption(field, bits) ? "bits" : "number";
 }
 
 function valuesOf(field: DescField, held: ReflectMessage | undefined): unknown[] {

@@ -81,7 +81,7 @@ export class Stream {
 
   cancel(why: ClientError): void {
     this.#end(why);
-    this.#socket.close();
+    this.#socket.close(1000);
   }
 
   #flush(): void {

@@ -36,7 +36,7 @@ export interface Socket {
   /** Bytes that wait here for the network. */
   readonly bufferedAmount: number;
   send(data: string | Uint8Array): void;
-  close(): void;
+  close(code: number): void;
 }
 
 export interface Transport {

@@ -37,12 +37,6 @@ export const transport: Transport = {
     socket.onmessage = ({ data }) =>
       listener.message(typeof data === "string" ? data : new Uint8Array(data as ArrayBuffer));
     socket.onclose = ({ code, reason }) => listener.close(code, reason);
-    return {
-      get bufferedAmount() {
-        return socket.bufferedAmount;
-      },
-      send: (data) => socket.send(data as Uint8Array<ArrayBuffer>),
-      close: () => socket.close(1000),
-    };
+    return socket as Socket;
   },
 };

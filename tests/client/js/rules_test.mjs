@@ -200,11 +200,11 @@ test("a table has names and units", () => {
     haptic.stateFields(device, state).map((field) => [field.name, field]));
   assert.deepEqual(fields.tau_a, {
     name: "tau_a", kind: "number", repeated: true, axis: "actuated", labels: ["mcp", "slide"],
-    units: ["N m", "N"], values: [1.5, -2], messages: [] });
+    units: ["N m", "N"], values: [1.5, -2], fields: [] });
   assert.deepEqual(fields.stiffness_in_effect.units, ["N m/rad", "N/m"]);
   assert.deepEqual(fields.q.labels, ["mcp", "slide", "pip"]);
   assert.deepEqual([fields.state.values, fields.mode.values], [["ENGAGED"], ["NONE"]]);
   assert.deepEqual(fields.faults.values, ["DEVICE_SILENT|31"]);
   assert.deepEqual(fields.server_time_ns.units, ["ns"]);
-  assert.deepEqual(fields.passivity.messages[0].map(({ values }) => values), [[], [], [], [], []]);
+  assert.deepEqual(fields.passivity.fields.map(({ values }) => values), [[], [], [], [], []]);
 });

@@ -1,15 +1,16 @@
 /** The bindings of a tool, found in its model: which bodies they move, and how a point of these
  * moves with the device's coordinates. */
 import { pointOnPose } from "../contact.js";
-import type { PointMap, Vector3 } from "../contact.js";
+import type { PointMap } from "../contact.js";
 import { countOf } from "./binding.js";
 import type { Binding } from "./binding.js";
 import type { Engine } from "./engine.js";
 import type { ToolOptions } from "./options.js";
 import { findPlace, positionOf, refuse, refuseStiff } from "./places.js";
 import type { Place } from "./places.js";
-import { add, cross, dot, intoFrame, MOST_CURVED, quaternionOf, triangle, vectorAt }
-  from "./vectors.js";
+import { add, cross, dot } from "../vectors.js";
+import type { Vector3 } from "../vectors.js";
+import { intoFrame, MOST_CURVED, quaternionOf, triangle, vectorAt } from "./vectors.js";
 import type { Quaternion } from "./vectors.js";
 
 const SHORTEST = 1e-3;           // of a quaternion

@@ -1,6 +1,6 @@
 /** Names of contacts that last from sample to sample. */
-import type { Vector3 } from "../contact.js";
-import { add, dot } from "./vectors.js";
+import type { Vector3 } from "../vectors.js";
+import { add, dot } from "../vectors.js";
 
 interface Place {
   id: number;

@@ -1,8 +1,9 @@
 /** MuJoCo's WebAssembly build, with numbers instead of handles. A view of its memory holds until
  * that grows, which any call may do: take it again after each. */
 import type { MainModule, MjData, MjModel } from "@mujoco/mujoco";
-import type { Vector3 } from "../contact.js";
-import { add, cross, vectorAt } from "./vectors.js";
+import type { Vector3 } from "../vectors.js";
+import { add, cross } from "../vectors.js";
+import { vectorAt } from "./vectors.js";
 
 export type { MainModule, MjData, MjModel } from "@mujoco/mujoco";
 
@@ -48,7 +49,7 @@ export class Engine {
   private readonly angular: Float64Array;
   /** Views of data; see view(). */
   private readonly views = new Map<keyof MjData, Float64Array>();
-  private readonly column;
+  private readonly M;
   private readonly solved;
   private readonly force;
 
@@ -58,14 +59,14 @@ export class Engine {
     this.opt = model.opt;
     this.linear = new Float64Array(3 * model.nv);
     this.angular = new Float64Array(3 * model.nv);
-    this.column = new mj.DoubleBuffer(model.nv);
+    this.M = new mj.DoubleBuffer(model.nv * model.nv);
     this.solved = new mj.DoubleBuffer(6 * model.nv);
     this.force = new mj.DoubleBuffer(6);
   }
   /** WebAssembly's memory is not collected. */
   delete(): void {
-    const { column, solved, force, opt } = this;
-    for (const one of [column, solved, force, opt]) one.delete();
+    const { M, solved, force, opt } = this;
+    for (const one of [M, solved, force, opt]) one.delete();
   }
 
   /** -1: there is none. */
@@ -74,9 +75,7 @@ export class Engine {
   }
   /** An array of numbers that data keeps at one place for its life: looking at data.qpos takes a
    * microsecond. Until the next call into MuJoCo. */
-  view(name: "cdof" | "geom_xmat" | "geom_xpos" | "qacc" | "qfrc_applied" | "qfrc_bias" |
-       "qfrc_constraint" | "qfrc_passive" | "qfrc_smooth" | "qpos" | "qvel" | "site_xmat" |
-       "site_xpos" | "subtree_com" | "xanchor" | "xaxis" | "xmat" | "xpos"): Float64Array {
+  view(name: keyof MjData): Float64Array {
     let view = this.views.get(name);
     if (!view?.length) this.views.set(name, view = this.data[name] as Float64Array);  // it grew
     return view;
@@ -100,10 +99,10 @@ export class Engine {
     }
     return { linear, angular };
   }
-  /** M v, until the next call. */
-  timesMass(v: Float64Array): Float64Array {
-    this.mj.mj_mulM(this.model, this.data, this.column, v as unknown as number[]);
-    return this.column.GetView() as Float64Array;
+  /** M, nv x nv, until the next call. */
+  masses(): Float64Array {
+    this.mj.mj_fullM(this.model, this.data, this.M);
+    return this.M.GetView() as Float64Array;
   }
   /** M^-1 times each of the 6 rows of J, until the next call. */
   overMass(J: Float64Array): Float64Array {

@@ -2,24 +2,20 @@
 import type { BoundTool } from "./bound_tool.js";
 import type { Engine } from "./engine.js";
 
-/** From 3.9 on contacts are found within margin + gap and have force within margin; before, within
- * margin, and margin - gap. */
-const GAP_IS_ADDED = 3009000;
-
 interface Grown {
-  field: "geom_margin" | "geom_gap" | "pair_margin" | "pair_gap" | "body_margin";
+  field: "geom_gap" | "pair_gap" | "body_margin";
   index: number;
   /** m, as the model had it. */
   own: number;
 }
 
-/** Margin and gap of the tool's geoms and pairs in the model, and as they were there. */
+/** Gaps of the tool's geoms and pairs in the model, and as they were there: contacts are found
+ * within margin + gap, and have force within margin. */
 export class Margins {
   private readonly all: Grown[] = [];
 
   constructor(private readonly engine: Engine, tool: BoundTool) {
-    const { mj, model, fixed } = engine;
-    const added = mj.mj_version() >= GAP_IS_ADDED, bodies = new Set<number>();
+    const { model, fixed } = engine, bodies = new Set<number>();
     const add = (field: Grown["field"], index: number): void => {
       this.all.push({ field, index, own: model[field][index] });
     };
@@ -29,14 +25,12 @@ export class Margins {
       const own = model.geom_margin[geom] !== 0 || model.geom_gap[geom] !== 0;
       if (!own && !tool.moves(fixed.geomBody[geom]!)) continue;
       add("geom_gap", geom);
-      if (!added) add("geom_margin", geom);
       bodies.add(fixed.geomBody[geom]!);
     }
     for (let pair = 0; pair < model.npair; ++pair) {
       const geoms = [model.pair_geom1[pair], model.pair_geom2[pair]];
       if (!geoms.some((geom) => tool.moves(fixed.geomBody[geom]!))) continue;
       add("pair_gap", pair);
-      if (!added) add("pair_margin", pair);
     }
     // Bodies of several geoms are first compared as wholes.
     for (const body of bodies) add("body_margin", body);

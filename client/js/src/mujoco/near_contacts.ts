@@ -1,6 +1,6 @@
 /** MuJoCo's contacts of a tool, touched or near, as contacts of the client library. */
 import { cylinderCurvature, sphereCurvature } from "../contact.js";
-import type { Contact, Curvature3, PointMap, Vector3 } from "../contact.js";
+import type { Contact, Curvature3, PointMap } from "../contact.js";
 import type { BoundTool } from "./bound_tool.js";
 import { ContactIds } from "./contact_ids.js";
 import { ContactSpring } from "./contact_spring.js";
@@ -8,7 +8,9 @@ import type { Engine, EngineContact } from "./engine.js";
 import { share } from "./pushed_object.js";
 import type { PushedObject } from "./pushed_object.js";
 import { Surroundings } from "./surroundings.js";
-import { add, dot, intoFrame, MOST_CURVED, triangle, vectorAt } from "./vectors.js";
+import { add, dot } from "../vectors.js";
+import type { Vector3 } from "../vectors.js";
+import { intoFrame, MOST_CURVED, triangle, vectorAt } from "./vectors.js";
 
 /** A value of mjContact.exclude; beyond it is not a contact. */
 const IN_GAP = 1;

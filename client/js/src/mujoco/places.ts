@@ -1,5 +1,5 @@
 /** The bindings of a tool, found in its model. */
-import type { Vector3 } from "../contact.js";
+import type { Vector3 } from "../vectors.js";
 import { countOf } from "./binding.js";
 import type { Binding } from "./binding.js";
 import type { Engine } from "./engine.js";

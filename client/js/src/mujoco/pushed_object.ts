@@ -1,4 +1,5 @@
 /** How the object of a contact moves when the tool pushes it. */
+import { along } from "../vectors.js";
 
 const MOST_MOTIONS = 6;      // of Plane.objectDirection
 const NEW_MOTION = 1e-6;     // square of the part of a direction that is a new one
@@ -28,12 +29,6 @@ export interface PushedObject {
   /** J H^-1 J^T */
   give: number;
 }
-
-export const along = (a: ArrayLike<number>, b: ArrayLike<number>): number => {
-  let sum = 0;
-  for (let i = 0; i < a.length; ++i) sum += a[i]! * b[i]!;
-  return sum;
-};
 
 /** Directions with these cosines between them, by Cholesky's rule: each is a sum of those that came
  * before it, and of a new one if there is room. */

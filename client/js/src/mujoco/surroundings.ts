@@ -1,12 +1,12 @@
 /** Things that the tool touches, and what holds them. */
-import type { Vector3 } from "../contact.js";
+import type { Vector3 } from "../vectors.js";
 import type { BoundTool } from "./bound_tool.js";
 import { rowsOf } from "./constraint_rows.js";
 import type { ConstraintRows } from "./constraint_rows.js";
 import type { Engine, EngineContact } from "./engine.js";
-import { along } from "./pushed_object.js";
 import type { PushedObject } from "./pushed_object.js";
-import { Skyline } from "./skyline.js";
+import { Skyline } from "../skyline.js";
+import { along } from "../vectors.js";
 
 const HOLD = 0.05;           // s, h
 const OUTSIDE = -1;          // of the DoFs that count
@@ -188,20 +188,15 @@ export class Surroundings {
   }
 
   private findMasses(): void {
-    const { dofs, trees } = this, unit = new Float64Array(this.engine.model.nv);
-    for (let k = 0;; ++k) {  // the k-th DoF of all trees at once: none moves another's
-      const those = [...trees.keys()].filter((t) => trees[t]! + k < (trees[t + 1] ?? -1));
-      if (those.length === 0) return;
-      unit.fill(0);
-      for (const t of those) unit[dofs[trees[t]! + k]!] = 1;
-      const column = this.engine.timesMass(unit);
-      for (const t of those) {
-        for (let i = trees[t]!; i < trees[t + 1]!; ++i) {
-          const value = column[dofs[i]!]!;
-          if (value !== 0) this.M.push({ i, k: trees[t]! + k, value });
+    const { dofs, trees } = this, M = this.engine.masses(), { nv } = this.engine.model;
+    trees.slice(1).forEach((end, t) => {  // none moves another's
+      for (let i = trees[t]!; i < end; ++i) {
+        for (let k = trees[t]!; k < end; ++k) {
+          const value = M[dofs[i]! * nv + dofs[k]!]!;
+          if (value !== 0) this.M.push({ i, k, value });
         }
       }
-    }
+    });
   }
 
   private lookAtRow(all: ConstraintRows, index: number, acceleration: Float64Array): void {

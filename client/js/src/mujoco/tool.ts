@@ -51,7 +51,7 @@ export class Tool {
   #timesBad = 0;
 
   /** `model` and `data` stay the caller's, and must live longer. Changes in `model`: limits of the
-   * bound joints are off, and margin and gap of the tool's geoms grow by the horizon in which
+   * bound joints are off, and the gap of the tool's geoms grows by the horizon in which
    * contacts are told, without a change of where force begins. In `data` qfrc_applied of the
    * tool's DoFs is the tool's: put forces of your own into xfrc_applied. Runs mj_forward.
    *

@@ -1,18 +1,12 @@
-/** Three numbers in a row, of MuJoCo's arrays and of the client library's, and quaternions as
- * MuJoCo has them: w first. */
-import type { Vector3 } from "../contact.js";
+/** Vectors and matrices of MuJoCo's arrays, and quaternions as MuJoCo has them: w first. */
+import { dot } from "../vectors.js";
+import type { Vector3 } from "../vectors.js";
 
 export type Quaternion = readonly [number, number, number, number];
 type Numbers = ArrayLike<number>;
 
 export const vectorAt = (numbers: Numbers, i = 0): Vector3 =>
   [numbers[i]!, numbers[i + 1]!, numbers[i + 2]!];
-export const dot = (a: Vector3, b: Vector3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-export const cross = (a: Vector3, b: Vector3): Vector3 =>
-  [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-/** a + s b */
-export const add = (a: Vector3, s: number, b: Vector3): Vector3 =>
-  [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
 /** The transpose of the 3 x 3 matrix that begins at `i`, times v. */
 export const intoFrame = (matrix: Numbers, i: number, v: Vector3): Vector3 =>
   [dot([matrix[i]!, matrix[i + 3]!, matrix[i + 6]!], v),

@@ -1,7 +1,8 @@
 // The page: connects, shows one device, and keeps asking what a stream of states does not tell.
 
+import { ClientError, type Device, type DeviceState } from "hapticd";
 import { at, say } from "./dom";
-import type { Device, DeviceState } from "./model";
+import type { Source } from "./live_source";
 import { Access } from "./panels/access";
 import { Actions } from "./panels/actions";
 import { Chooser } from "./panels/chooser";
@@ -12,7 +13,6 @@ import { Sessions } from "./panels/sessions";
 import { Stage } from "./panels/stage";
 import { StateCard } from "./panels/state_card";
 import { Stop } from "./panels/stop";
-import { SourceError, type Source, type Watching } from "./source";
 import { Traces } from "./traces/traces";
 
 const POLL_MS = 1000;
@@ -23,7 +23,7 @@ const WORDS_MS = 100; // texts change no faster than people read
 export class App {
   private source: Source;
   private device: Device | null = null;
-  private watching: Watching | null = null;
+  private watching: { close(): void } | null = null;
   private newest: DeviceState | null = null;
   private stateAt = 0;
   private wordsAt = 0;
@@ -35,7 +35,7 @@ export class App {
   private readonly access = new Access((token) => this.useToken(token));
   private readonly chooser = new Chooser((name) => void this.choose(name));
   private readonly stage = new Stage();
-  private readonly card = new StateCard(this.current);
+  private readonly card = new StateCard();
   private readonly stop = new Stop(this.current);
   private readonly actions = new Actions(this.current);
   private readonly joints = new Joints();
@@ -143,7 +143,7 @@ export class App {
   }
 
   private refused(error: unknown): void {
-    if (error instanceof SourceError && error.code === "unauthenticated") {
+    if (error instanceof ClientError && error.code === "unauthenticated") {
       this.leave();
       at("live").hidden = true;
       this.access.open(false);

@@ -21,9 +21,23 @@ export function at<T extends HTMLElement = HTMLElement>(id: string): T {
   return found as T;
 }
 
+/** A colour of the page's theme as it is now: "rgb(0, 90, 140)" of "--link". */
+export function colour(name: string): string {
+  const probe = h("span", { style: `color: var(${name})` });
+  document.body.append(probe);
+  const { color } = getComputedStyle(probe);
+  probe.remove();
+  return color;
+}
+
 /** Changes the text only if it differs: a screen reader and a selection stay undisturbed. */
 export function say(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
+}
+
+/** The children of a `dl`. */
+export function facts(list: readonly [string, string][]): Child[] {
+  return list.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]);
 }
 
 /** Replaces the children only if `key` differs from the last time. */

@@ -1,8 +1,6 @@
-// The server, by the client library.
+// The page's door to the server: what it asks and hears, by the client library.
 
-import { bitNames, ClientError, Connection } from "hapticd";
-import type { Device } from "./model";
-import { SourceError, type Listener, type Source, type Watching } from "./source";
+import { Connection, type ClientError, type DeviceState, type Event } from "hapticd";
 
 /** States per second: as often as a screen shows a picture. */
 const STATES_HZ = 60;
@@ -10,46 +8,40 @@ const IMPOSSIBLE_HZ = -1;
 const STOP_MS = 1000;
 const NAME = "page in a browser";
 
-function asSourceError(error: unknown): SourceError {
-  return error instanceof ClientError
-    ? new SourceError(error.code, error.reason, error.message)
-    : new SourceError("unknown", "UNKNOWN", String(error));
+export interface Listener {
+  state(state: DeviceState): void;
+  event(event: Event): void;
+  /** The stream ended; it does not come back by itself. */
+  ended(error: ClientError): void;
 }
 
-/** Names of all 32 bits; the library calls one without a name by its number. */
-function names(field: "faults" | "limiters"): string[] {
-  return Array.from({ length: 32 }, (_, bit) => {
-    const name = bitNames(field, 1 << bit)[0];
-    return name === undefined || name === String(bit) ? "-" : name;
-  });
-}
+/** The members of LiveSource, which a test has too. Every promise rejects with ClientError. */
+export type Source = Pick<LiveSource, keyof LiveSource>;
 
-export class LiveSource implements Source {
-  readonly faultNames = names("faults");
-  readonly limiterNames = names("limiters");
+export class LiveSource {
   private readonly server: Connection;
   private readonly stopper: Connection;
 
   constructor(token?: string) {
-    const options = token === undefined ? {} : { token };
-    this.server = new Connection(undefined, options);
-    this.stopper = new Connection(undefined, { ...options, timeoutMs: STOP_MS });
+    this.server = new Connection(undefined, { token });
+    this.stopper = new Connection(undefined, { token, timeoutMs: STOP_MS });
   }
 
-  devices(): Promise<Device[]> {
-    return this.call(() => this.server.listDevices());
+  devices() {
+    return this.server.listDevices();
   }
   serverInfo() {
-    return this.call(() => this.server.serverInfo());
+    return this.server.serverInfo();
   }
-  links() {
-    return this.call(async () => (await this.server.linkStats()).sessions);
+  async links() {
+    return (await this.server.linkStats()).sessions;
   }
 
-  watch(device: string, listener: Listener): Watching {
+  /** A stream of states; ends when it is closed. */
+  watch(device: string, listener: Listener): { close(): void } {
     let open = true;
-    const end = (error: unknown): void => {
-      if (open) listener.ended(asSourceError(error));
+    const end = (error: ClientError): void => {
+      if (open) listener.ended(error);
       open = false;
     };
     const session = this.server.open({
@@ -70,40 +62,32 @@ export class LiveSource implements Source {
     };
   }
 
-  /** Asks to control the device, with a rate that is refused to everyone: which refusal comes
-   * tells whether the key would allow it, and nothing changes. */
+  /** True if this page's key allows more than to look and to stop. Asks to control the device, with
+   * a rate that is refused to everyone: which refusal comes tells, and nothing changes. */
   async mayControl(device: string): Promise<boolean> {
     const error = await this.server
       .open({ device, clientName: NAME, stateRateHz: IMPOSSIBLE_HZ })
-      .then((session) => session.close(), asSourceError);
+      .then((session) => session.close(), (refused: ClientError) => refused);
     return error?.reason !== "RIGHTS";
   }
 
+  /** All devices; answers with the names of those that are stopped. */
   stop(): Promise<string[]> {
-    return this.call(() => this.stopper.emergencyStop("", "stop on the page"));
+    return this.stopper.emergencyStop("", "stop on the page");
   }
 
   async clearFaults(device: string): Promise<void> {
-    await this.call(() => this.server.clearFault(device));
+    await this.server.clearFault(device);
   }
 
+  /** Takes the device from a program of lower priority, so that its force fades out; and leaves. */
   async release(device: string): Promise<void> {
     const take = (priority: "primary" | "operator") =>
-      this.call(() =>
-        this.server.open({ device, priority, clientName: NAME, stateRateHz: 1 }),
-      );
-    const session = await take("operator").catch((error: SourceError) => {
+      this.server.open({ device, priority, clientName: NAME, stateRateHz: 1 });
+    const session = await take("operator").catch((error: ClientError) => {
       if (error.reason === "PRIORITY_DENIED") return take("primary");
       throw error;
     });
     await session.close();
-  }
-
-  private async call<T>(make: () => Promise<T>): Promise<T> {
-    try {
-      return await make();
-    } catch (error) {
-      throw asSourceError(error);
-    }
   }
 }

@@ -1,6 +1,6 @@
 // Numbers as people read them: mm, degrees, N, ms. Inside everything is SI.
 
-import type { Device, Duration } from "./model";
+import type { Device, SessionLink } from "hapticd";
 
 /** Unit in which a quantity is shown, and its size in SI. */
 export interface Shown {
@@ -49,28 +49,14 @@ export function quantity(value: number | undefined, unit: string): string {
   return withUnit(text, shown.unit);
 }
 
-export function milliseconds(duration: Duration | undefined): number | undefined {
+export function milliseconds(duration: SessionLink["ageP50"]): number | undefined {
   return duration && Number(duration.seconds) * 1e3 + duration.nanos * 1e-6;
 }
 
 /** "3 d 4 h", "2 h 5 min", "12 s". */
 export function howLong(seconds: number): string {
-  const steps: [number, string][] = [
-    [86400, "d"],
-    [3600, "h"],
-    [60, "min"],
-    [1, "s"],
-  ];
-  const whole = Math.floor(seconds);
-  const first = steps.findIndex(([size]) => whole >= size);
-  if (first < 0) return "0 s";
-  return steps
-    .slice(first, first + 2)
-    .map(([size, name], i) => [
-      i === 0 ? Math.floor(whole / size) : Math.floor((whole % steps[first]![0]) / size),
-      name,
-    ])
-    .filter(([count]) => count !== 0)
-    .map(([count, name]) => `${count} ${name}`)
-    .join(" ");
+  const at = (size: number) => Math.floor(seconds / size);
+  const parts = [`${at(86400)} d`, `${at(3600) % 24} h`, `${at(60) % 60} min`, `${at(1) % 60} s`];
+  const first = parts.findIndex((part) => !part.startsWith("0 "));
+  return parts.slice(first, first + 2).filter((part) => !part.startsWith("0 ")).join(" ") || "0 s";
 }

@@ -2,26 +2,22 @@
 // device is.
 
 import {
-  AmbientLight, Box3, BoxGeometry, type BufferGeometry, CapsuleGeometry, Color,
-  CylinderGeometry, DirectionalLight, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh,
-  MeshLambertMaterial, PerspectiveCamera, PlaneGeometry, Scene, SphereGeometry, Vector3,
-  WebGLRenderer,
+  Box3, BoxGeometry, type BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, EdgesGeometry,
+  LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, PlaneGeometry, SphereGeometry,
+  Vector3,
 } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { colour } from "../dom";
 import { StraightArrow } from "../picture/arrows";
+import { ghostly, Painter } from "../picture/painter";
 import type { Geom, Report } from "./messages";
 
 const PLACE = 12; // numbers of a geom: position, rotation matrix
 const PLANE = 0.5; // m, how much of an endless one is drawn
 const PER_NEWTON = 0.02, SHORTEST = 0.012, LONGEST = 0.06; // m, of an arrow
 const REACH = 0.1; // m, for which arrows are thick enough
-const Y = new Vector3(0, 1, 0);
+const X = new Vector3(1, 0, 0), Y = new Vector3(0, 1, 0), Z = new Vector3(0, 0, 1);
 const HELD = 0.0005; // m: a device that is nearer to the tool than this is not drawn
 const MOVED = 0.001; // m: a thing that moved less stands still
-
-/** A colour of the page's theme. */
-const colour = (name: string): Color =>
-  new Color(getComputedStyle(document.documentElement).getPropertyValue(name).trim());
 
 function shapeOf({ type, size: [x, y, z] }: Geom): BufferGeometry {
   switch (type) {
@@ -43,13 +39,7 @@ function put(mesh: Mesh | LineSegments, places: Float32Array, i: number): void {
 }
 
 export class Stage {
-  /** Pictures painted since the beginning. */
-  painted = 0;
-  private readonly renderer: WebGLRenderer;
-  private readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera(32, 1, 0.005, 10);
-  private readonly controls: OrbitControls;
-  private readonly world = new Group();
+  private readonly painter: Painter;
   private geoms: Geom[] = [];
   private meshes: Mesh[] = [];
   private ghosts: (Mesh | null)[] = [];
@@ -57,47 +47,28 @@ export class Stage {
   private arrows: StraightArrow[] = [];
   /** Outlines of things that can be pushed away: as they stood first. */
   private outlines: { name: string; i: number; line: LineSegments; from?: Vector3 }[] = [];
-  private readonly ghost = new MeshLambertMaterial(
-    { color: colour("--body-ghost"), transparent: true, opacity: 0.45, depthWrite: false,
-      // Behind the tool where both are at one place.
-      polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2 });
+  /** Behind the tool where both are at one place. */
+  private readonly ghost = ghostly();
   /** Material of arrows: in sight, whatever is in front. */
-  private readonly ink = new MeshLambertMaterial(
-    { color: colour("--body-force"), depthTest: false, transparent: true });
-  private fresh = false;
+  private readonly ink = new MeshLambertMaterial({ depthTest: false, transparent: true });
+  private readonly up = new Vector3();
   private fitted = false;
 
-  constructor(private readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true });
-    this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.addEventListener("change", () => (this.fresh = true));
-    const dark = matchMedia("(prefers-color-scheme: dark)");
-    const themed = (): void => {
-      this.scene.background = colour("--back");
-      this.fresh = true;
-    };
-    dark.addEventListener("change", themed);
-    themed();
-    this.scene.add(new AmbientLight(0xffffff, 1.2), this.world);
-    const light = new DirectionalLight(0xffffff, 1.8);
-    light.position.set(0.3, 0.6, 1);
-    this.camera.add(light);
-    this.scene.add(this.camera);
-    const paint = (): void => {
-      requestAnimationFrame(paint);
-      if (!this.fresh) return;
-      this.fresh = false;
-      this.resize();
-      this.renderer.render(this.scene, this.camera);
-      ++this.painted;
-    };
-    requestAnimationFrame(paint);
+  /** Throws if the browser has no WebGL. */
+  constructor(canvas: HTMLCanvasElement) {
+    this.painter = new Painter(canvas, true, { theme: () => this.recolour() });
+    this.painter.theme();
+  }
+
+  /** Pictures painted since the beginning. */
+  get painted(): number {
+    return this.painter.painted;
   }
 
   show(geoms: Geom[], up: [number, number, number]): void {
     this.geoms = geoms;
-    this.world.clear();
-    this.camera.up.set(...up);
+    this.painter.clear();
+    this.up.set(...up);
     this.fitted = false;
     this.points = [];
     this.arrows = [];
@@ -105,7 +76,7 @@ export class Stage {
     const add = (geom: Geom, material: MeshLambertMaterial): Mesh => {
       const mesh = new Mesh(shapeOf(geom), material);
       mesh.matrixAutoUpdate = false;
-      this.world.add(mesh);
+      this.painter.world.add(mesh);
       return mesh;
     };
     this.meshes = geoms.map((geom) => add(geom, new MeshLambertMaterial({
@@ -118,7 +89,7 @@ export class Stage {
       if (!geom.free) return;
       const line = new LineSegments(new EdgesGeometry(shapeOf(geom), 30), ink);
       line.matrixAutoUpdate = false;
-      this.world.add(line);
+      this.painter.world.add(line);
       this.outlines.push({ name: geom.free, i, line });
     });
   }
@@ -139,11 +110,11 @@ export class Stage {
     });
     for (let i = 0; 3 * i < points.length; ++i) {
       const point = this.points[i] ??= new Mesh(new SphereGeometry(0.004, 12, 8), this.ghost);
-      if (!point.parent) this.world.add(point);
+      if (!point.parent) this.painter.world.add(point);
       point.position.fromArray(points, 3 * i);
     }
     if (!this.fitted) this.fit();
-    this.fresh = true;
+    this.painter.ask();
   }
 
   /** Things that are not where they stood first. */
@@ -159,10 +130,10 @@ export class Stage {
 
   /** An arrow for each, and no other. */
   press(presses: Float32Array): void {
-    this.fresh = true;
+    this.painter.ask();
     for (let i = 0; i < Math.max(presses.length / 6, this.arrows.length); ++i) {
       const arrow = this.arrows[i] ??= new StraightArrow(REACH, this.ink), { group } = arrow;
-      if (!group.parent) this.world.add(group);
+      if (!group.parent) this.painter.world.add(group);
       const force = new Vector3().fromArray(presses, 6 * i + 3);
       group.visible = 6 * i < presses.length;
       if (!group.visible) continue;
@@ -175,30 +146,18 @@ export class Stage {
   /** Looks at all but planes, a little from above. */
   private fit(): void {
     this.fitted = true;
-    this.world.updateMatrixWorld(true);
     const box = new Box3();
     this.meshes.forEach((mesh, i) => {
       if (this.geoms[i]!.type === "plane") return;
       mesh.geometry.computeBoundingBox();
       box.union(mesh.geometry.boundingBox!.clone().applyMatrix4(mesh.matrix));
     });
-    const middle = box.getCenter(new Vector3()), size = box.getSize(new Vector3()).length();
-    const up = this.camera.up.clone(), aside = up.z > 0.5 ? new Vector3(1, 0.5, 0)
-      : new Vector3(0.35, 0, 1);
-    this.camera.position.copy(middle).addScaledVector(aside.normalize(), 1.5 * size)
-      .addScaledVector(up, 0.5 * size);
-    this.controls.target.copy(middle);
-    this.controls.update();
+    this.painter.view.look(box, this.up.z > 0.5 ? X : Z, this.up);
   }
 
-  private resize(): void {
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    const ratio = Math.min(devicePixelRatio, 2);
-    const { width: had, height: high } = this.canvas;
-    if (had === Math.floor(width * ratio) && high === Math.floor(height * ratio)) return;
-    this.renderer.setPixelRatio(ratio);
-    this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
+  private recolour(): void {
+    this.painter.scene.background = new Color(colour("--back"));
+    this.ghost.color.set(colour("--body-ghost"));
+    this.ink.color.set(colour("--body-force"));
   }
 }

@@ -78,12 +78,13 @@ async function run(session: Session, world: World): Promise<void> {
     const passed = last === 0n || state.serverTimeNs <= last ? 1000 / RATE_HZ
       : Number(state.serverTimeNs - last) * 1e-6;
     last = state.serverTimeNs;
-    session.publish(world.step(state.xProbe, Math.min(passed, LONGEST_MS), session.roundTripMs));
+    const { xProbe } = state;
+    session.publish(world.tool.step(xProbe, Math.min(passed, LONGEST_MS), session.roundTripMs));
     frames.add(performance.now() - begin);
     if (!shown) continue;
     shown = false;
-    const places = world.places(), probe = world.placesOfProbe(state.xProbe);
-    const points = world.pointsOfProbe(state.xProbe), { presses, touched } = world.presses();
+    const places = world.places(), probe = world.placesOfProbe(xProbe);
+    const points = world.pointsOfProbe(xProbe), { presses, touched } = world.presses();
     if (performance.now() - timed > 500) {
       timing = frames.timing;
       timed = performance.now();

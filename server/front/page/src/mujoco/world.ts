@@ -1,7 +1,7 @@
 // A MuJoCo model as the page shows it, and the tool in it that the device moves.
 
 import type { MainModule, MjData, MjModel } from "@mujoco/mujoco";
-import type { Device, Proxy } from "hapticd";
+import type { Device } from "hapticd";
 import { byName, Engine, Tool, type Binding } from "hapticd/mujoco";
 import type { Geom } from "./messages";
 
@@ -33,9 +33,6 @@ export class World {
     this.ghost = joints ? new mujoco.MjData(this.model) : null;
   }
 
-  step(xProbe: number[], periodMs: number, roundTripMs: number): Proxy {
-    return this.tool.step(xProbe, periodMs, roundTripMs);
-  }
   /** Puts the world back as it was loaded. The tool notices, and comes to the probe again from
    * outside. */
   reset(): void {
@@ -83,8 +80,15 @@ export class World {
     return most === 0 ? [0, 0, 1] : [-x! / most, -y! / most, -z! / most];
   }
 
-  places(): Float32Array {
-    return this.placesOf(this.data);
+  /** Position and matrix of every geom. */
+  places(data = this.data): Float32Array {
+    const positions: Float64Array = data.geom_xpos, turns: Float64Array = data.geom_xmat;
+    const places = new Float32Array(PLACE * this.model.ngeom);
+    for (let i = 0; i < this.model.ngeom; ++i) {
+      places.set(positions.subarray(3 * i, 3 * i + 3), PLACE * i);
+      places.set(turns.subarray(9 * i, 9 * i + 9), PLACE * i + 3);
+    }
+    return places;
   }
   /** Places of all geoms, with the tool at the device's pose; empty: not known. */
   placesOfProbe(xProbe: number[]): Float32Array {
@@ -96,7 +100,7 @@ export class World {
       qpos[this.engine.fixed.jointPos[joint]!] = offset + scale * xProbe[firstCoordinate]!;
     }
     this.mujoco.mj_kinematics(this.model, this.ghost);
-    return this.placesOf(this.ghost);
+    return this.places(this.ghost);
   }
   pointsOfProbe(xProbe: number[]): Float32Array {
     return Float32Array.from(this.bindings.flatMap(({ kind, firstCoordinate: i }) =>
@@ -121,14 +125,5 @@ export class World {
   }
   private moves(geom: number): boolean {
     return geom >= 0 && this.tool.moves(this.engine.fixed.geomBody[geom]!);
-  }
-  private placesOf(data: MjData): Float32Array {
-    const positions: Float64Array = data.geom_xpos, turns: Float64Array = data.geom_xmat;
-    const places = new Float32Array(PLACE * this.model.ngeom);
-    for (let i = 0; i < this.model.ngeom; ++i) {
-      places.set(positions.subarray(3 * i, 3 * i + 3), PLACE * i);
-      places.set(turns.subarray(9 * i, 9 * i + 9), PLACE * i + 3);
-    }
-    return places;
   }
 }

@@ -1,51 +1,29 @@
 // Clear fault and Release force, and why they are not possible.
 
+import { ClientError, DeviceStateName, type Device, type DeviceState } from "hapticd";
 import { at, say } from "../dom";
-import { Lifecycle, type Device, type DeviceState } from "../model";
-import { SourceError, type Source } from "../source";
+import type { Source } from "../live_source";
 
 const ASKING = "Asking what this page may do …";
 const ONLY_LOOKS = "This page's key allows looking and stopping only.";
 
-/** A button with the sentence below it. */
-class Action {
-  private readonly button: HTMLButtonElement;
-  private readonly why: HTMLElement;
-  constructor(id: string, act: () => Promise<void>) {
-    this.button = at<HTMLButtonElement>(id);
-    this.why = at(`${id}-why`);
-    this.button.addEventListener("click", () => void act());
-  }
-  set(possible: boolean, why: string): void {
-    if (this.button.disabled === possible) this.button.disabled = !possible;
-    say(this.why, why);
-  }
-}
-
 export class Actions {
   private readonly said = at("action-said");
-  private readonly clear: Action;
-  private readonly release: Action;
   private device = "";
   private mayControl: boolean | null = null;
 
-  constructor(private readonly source: () => Source) {
-    this.clear = new Action("clear", () =>
-      this.act("Fault cleared.", () => this.source().clearFaults(this.device)),
-    );
-    this.release = new Action("release", () =>
-      this.act("Force released.", () => this.source().release(this.device)),
-    );
+  constructor(source: () => Source) {
+    at("clear").addEventListener("click", () =>
+      void this.act("Fault cleared.", () => source().clearFaults(this.device)));
+    at("release").addEventListener("click", () =>
+      void this.act("Force released.", () => source().release(this.device)));
   }
 
   /** Null: not known yet, so that nothing is possible. */
   rights(mayControl: boolean | null): void {
     this.mayControl = mayControl;
     offerKey(mayControl === false);
-    if (mayControl !== null) return;
-    say(this.said, "");
-    this.clear.set(false, ASKING);
-    this.release.set(false, ASKING);
+    if (mayControl === null) say(this.said, "");
   }
 
   /** The same device again, after its stream was lost, changes nothing. */
@@ -54,27 +32,20 @@ export class Actions {
     this.device = device.name;
   }
 
-  state(device: Device, state: DeviceState): void {
-    const allowed = this.mayControl === true;
-    const refusal = this.mayControl === false ? ONLY_LOOKS : ASKING;
-    const fault = state.faults !== 0;
-    this.clear.set(
-      fault && allowed,
-      !fault
-        ? "There is no fault."
-        : allowed
-          ? "Force stays off until the program asks for it again."
-          : refusal,
-    );
-    const force = state.state === Lifecycle.ENGAGED || state.state === Lifecycle.ENGAGING;
-    this.release.set(
-      force && allowed,
-      !force
-        ? "No force is on."
-        : allowed
-          ? `Takes the device from “${device.controller}”; force fades out softly.`
-          : refusal,
-    );
+  state({ controller }: Device, { faults, state }: DeviceState): void {
+    const force = state === DeviceStateName.ENGAGED || state === DeviceStateName.ENGAGING;
+    this.offer("clear", faults !== 0, "There is no fault.",
+               "Force stays off until the program asks for it again.");
+    this.offer("release", force, "No force is on.",
+               `Takes the device from “${controller}”; force fades out softly.`);
+  }
+
+  /** A button with the sentence below it: `does`, or why it is not possible. */
+  private offer(id: string, needed: boolean, not: string, does: string): void {
+    const { mayControl } = this;
+    at<HTMLButtonElement>(id).disabled = !needed || mayControl !== true;
+    const refusal = mayControl === false ? ONLY_LOOKS : ASKING;
+    say(at(`${id}-why`), !needed ? not : mayControl ? does : refusal);
   }
 
   private async act(done: string, call: () => Promise<void>): Promise<void> {
@@ -83,9 +54,10 @@ export class Actions {
       await call();
       say(this.said, done);
     } catch (error) {
-      if (error instanceof SourceError && error.reason === "RIGHTS") this.rights(false);
-      if (error instanceof SourceError && error.reason === "LEASE_HELD") offerKey(true);
-      say(this.said, refused(error));
+      const reason = error instanceof ClientError ? error.reason : "";
+      if (reason === "RIGHTS") this.rights(false);
+      if (reason === "LEASE_HELD") offerKey(true);
+      say(this.said, refused(reason, error instanceof Error ? error.message : String(error)));
     }
   }
 }
@@ -95,21 +67,18 @@ function offerKey(on: boolean): void {
   at("other-key").hidden = !on;
 }
 
-function refused(error: unknown): string {
-  if (!(error instanceof SourceError)) return `Refused: ${String(error)}`;
-  switch (error.reason) {
+function refused(reason: string, message: string): string {
+  switch (reason) {
     case "RIGHTS":
       return `Refused. ${ONLY_LOOKS}`;
     case "FAULT_PERSISTS":
-      return `Not cleared, because the cause is still there: ${error.message}`;
+      return `Not cleared, because the cause is still there: ${message}`;
     case "STOPPED_LOCALLY":
       return "Not cleared: the stop was pressed on hapticd's own computer. Clear it there.";
     case "LEASE_HELD":
-      return (
-        "Refused: the program that holds the device has the same rank as this page's key, so " +
-        "only it may release. Stop works always."
-      );
+      return "Refused: the program that holds the device has the same rank as this page's key, " +
+        "so only it may release. Stop works always.";
     default:
-      return `Refused: ${error.message}`;
+      return `Refused: ${message}`;
   }
 }

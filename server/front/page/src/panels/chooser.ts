@@ -1,7 +1,7 @@
 // Which device is shown. The address remembers it: #device=NAME.
 
+import type { Device } from "hapticd";
 import { at, h } from "../dom";
-import type { Device } from "../model";
 
 const KEY = "device";
 

@@ -1,7 +1,7 @@
 // "What happened": the newest events of the device.
 
+import { Event_Kind, type Event } from "hapticd";
 import { at, h } from "../dom";
-import { KIND_STALENESS, KIND_STATE, type PageEvent } from "../model";
 import { changeWords } from "../words/state";
 
 const KEPT = 50;
@@ -13,8 +13,8 @@ export class Events {
     this.list.replaceChildren(h("li", { class: "help" }, "Nothing since this page opened."));
   }
 
-  add(event: PageEvent): void {
-    if (event.kind === KIND_STALENESS) return; // several per second on a slow link; a trace has it
+  add(event: Event): void {
+    if (event.kind === Event_Kind.STALENESS) return; // several per second; a trace has it
     if (!this.list.querySelector("time")) this.list.replaceChildren();
     const now = new Date();
     const time = h("time", { datetime: now.toISOString() }, now.toLocaleTimeString());
@@ -23,7 +23,7 @@ export class Events {
   }
 }
 
-function words({ kind, reason, message }: PageEvent): string {
-  const said = (kind === KIND_STATE && changeWords(reason)) || message || reason;
+function words({ kind, reason, message }: Event): string {
+  const said = (kind === Event_Kind.STATE && changeWords(reason)) || message || reason;
   return said.charAt(0).toUpperCase() + said.slice(1);
 }

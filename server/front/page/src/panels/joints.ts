@@ -1,7 +1,7 @@
 // The table "Joints": where each DoF stands, and the force on it.
 
+import type { Device, DeviceState } from "hapticd";
 import { at, h, say } from "../dom";
-import type { Device, DeviceState } from "../model";
 import { effortUnit, number, quantity } from "../units";
 
 interface Row {
@@ -10,7 +10,7 @@ interface Row {
   position: HTMLElement;
   force: HTMLElement;
   share: HTMLElement;
-  bar: HTMLElement;
+  bar: HTMLMeterElement;
 }
 
 export class Joints {
@@ -24,12 +24,11 @@ export class Joints {
       position: h("td"),
       force: h("td"),
       share: h("span"),
-      bar: h("i"),
+      bar: h("meter", { "aria-hidden": "true" }),
     }));
     at("joints").replaceChildren(
       ...this.rows.map((row) => {
-        const bar = h("span", { class: "bar", "aria-hidden": "true" }, row.bar);
-        const share = row.actuator < 0 ? h("td") : h("td", {}, bar, " ", row.share);
+        const share = row.actuator < 0 ? h("td") : h("td", {}, row.bar, " ", row.share);
         if (row.actuator < 0) row.force.textContent = "sensed only";
         const name = h("th", { scope: "row" }, device.dofs[row.dof]!.name);
         return h("tr", {}, name, row.position, row.force, share);
@@ -47,7 +46,7 @@ export class Joints {
       const part = limit > 0 && tau !== undefined ? Math.min(Math.abs(tau) / limit, 1) : 0;
       say(force, quantity(tau, effortUnit(unit)));
       say(share, `${number(part * 100, 0)} %`);
-      bar.style.width = `${part * 100}%`;
+      bar.value = part;
     }
   }
 }

@@ -1,7 +1,7 @@
 // The card "Server".
 
-import { at, fill, h, say } from "../dom";
-import type { Device, ServerInfo } from "../model";
+import type { Device, GetServerInfoResponse } from "hapticd";
+import { at, facts, fill, say } from "../dom";
 import { howLong, number } from "../units";
 
 const GUARDS: Record<string, string> = {
@@ -18,7 +18,7 @@ function deviceWords(device: Device): string {
 }
 
 export class Server {
-  show(info: ServerInfo, device: Device): void {
+  show(info: GetServerInfoResponse, device: Device): void {
     say(at("scene"), `· ${info.scene}`);
     const { loop, realtime } = info;
     const us = (value: number) => `${number(value, 0)} µs`;
@@ -38,8 +38,6 @@ export class Server {
     }
     list.push(["Sessions", `${info.sessions} of ${info.maxSessions}`]);
     list.push(["Not protected", info.insecure.join(" ") || "nothing"]);
-    fill(at("server"), JSON.stringify(list), () =>
-      list.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
-    );
+    fill(at("server"), JSON.stringify(list), () => facts(list));
   }
 }

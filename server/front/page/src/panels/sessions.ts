@@ -1,10 +1,9 @@
 // "Who is connected": the sessions of the device, and how their samples and states travel.
 
-import { at, fill, h } from "../dom";
-import type { SessionLink } from "../model";
+import { Role, type SessionLink } from "hapticd";
+import { at, facts, fill, h } from "../dom";
 import { milliseconds, number } from "../units";
 
-const CONTROLLER = 1;
 const ROLES = ["", "controls the device", "looks on", "tracks the palm"];
 const CARRIERS = ["", "gRPC", "UDP", "WebSocket"];
 
@@ -39,7 +38,7 @@ function troubles(session: SessionLink): string {
   return parts.length > 0 ? parts.join(", ") : "none lost";
 }
 
-function facts(session: SessionLink): [string, string][] {
+function figures(session: SessionLink): [string, string][] {
   const roundTrip = session.transports.map((t) => milliseconds(t.roundTrip)).find(Boolean);
   const list: [string, string][] = [
     ["Carrier", carriers(session)],
@@ -58,26 +57,15 @@ export class Sessions {
     const own = links.filter((link) => link.device === device);
     const items = own.map((link) => ({
       name: link.clientName,
-      does: link.role === CONTROLLER && !link.holdsLease ? "lost the device" : ROLES[link.role],
+      does: link.role === Role.CONTROLLER && !link.holdsLease ? "lost the device"
+        : ROLES[link.role] ?? "",
       lease: link.holdsLease,
-      facts: facts(link),
+      figures: figures(link),
     }));
+    const item = ({ name, does, lease, figures }: (typeof items)[number]) =>
+      h("li", lease ? { class: "lease" } : {}, h("strong", {}, name), ` ${does}`,
+        h("dl", { class: "facts" }, ...facts(figures)));
     fill(at("sessions"), JSON.stringify(items), () =>
-      items.length === 0
-        ? [h("li", {}, "No session is open.")]
-        : items.map((item) => {
-            const list = item.facts.flatMap(([name, value]) => [
-              h("dt", {}, name),
-              h("dd", {}, value),
-            ]);
-            return h(
-              "li",
-              item.lease ? { class: "lease" } : {},
-              h("strong", {}, item.name),
-              ` ${item.does ?? ""}`,
-              h("dl", { class: "facts" }, ...list),
-            );
-          }),
-    );
+      items.length === 0 ? [h("li", {}, "No session is open.")] : items.map(item));
   }
 }

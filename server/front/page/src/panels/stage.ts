@@ -1,11 +1,21 @@
 // The card "Device": the picture, its buttons, and what it says if it cannot be drawn.
 
-import { at, say } from "../dom";
-import type { Device, DeviceState } from "../model";
-import { Picture, type Pose } from "../picture/picture";
+import type { Device, DeviceState } from "hapticd";
+import { at, h, say } from "../dom";
+import { Picture } from "../picture/picture";
+import type { View } from "../picture/view";
 import { quantity } from "../units";
 
-const DRAG = 0.01; // rad per pixel
+/** Sign, meaning, and act. */
+const BUTTONS: [string, string, (view: View) => void][] = [
+  ["◀", "Turn left", (view) => view.turnStep(-1, 0)],
+  ["▶", "Turn right", (view) => view.turnStep(1, 0)],
+  ["▲", "Turn up", (view) => view.turnStep(0, 1)],
+  ["▼", "Turn down", (view) => view.turnStep(0, -1)],
+  ["+", "Nearer", (view) => view.magnify(1.25)],
+  ["−", "Farther", (view) => view.magnify(0.8)],
+  ["Reset", "Reset", (view) => view.reset()],
+];
 
 export class Stage {
   private readonly canvas = at<HTMLCanvasElement>("picture");
@@ -15,9 +25,7 @@ export class Stage {
 
   constructor() {
     this.picture = this.make();
-    if (!this.picture) return;
-    this.buttons(this.picture);
-    this.drag(this.picture);
+    if (this.picture) this.buttons(this.picture);
   }
 
   show(device: Device): void {
@@ -32,10 +40,9 @@ export class Stage {
 
   state(state: DeviceState): void {
     if (!this.picture || !this.device?.drawing || state.q.length === 0) return;
-    const pose: Pose = state;
-    if (this.shown) return this.picture.update(pose);
+    if (this.shown) return this.picture.update(state);
     this.shown = true;
-    const step = this.picture.show(this.device.drawing, this.device.forceLimit, pose);
+    const step = this.picture.show(this.device.drawing, this.device.forceLimit, state);
     say(at("grid-size"), `one square is ${quantity(step, "m").replace(".0 ", " ")}`);
   }
 
@@ -58,33 +65,13 @@ export class Stage {
   }
 
   private buttons(picture: Picture): void {
-    const acts: Record<string, () => void> = {
-      left: () => picture.view.turnStep(-1, 0),
-      right: () => picture.view.turnStep(1, 0),
-      up: () => picture.view.turnStep(0, 1),
-      down: () => picture.view.turnStep(0, -1),
-      in: () => picture.view.magnify(1.25),
-      out: () => picture.view.magnify(0.8),
-      reset: () => picture.view.reset(),
-    };
-    for (const button of document.querySelectorAll<HTMLElement>("[data-view]")) {
+    for (const [sign, what, act] of BUTTONS) {
+      const button = h("button", { type: "button", "aria-label": what }, sign);
       button.addEventListener("click", () => {
-        acts[button.dataset.view!]!();
+        act(picture.view);
         picture.ask();
       });
+      at("view-buttons").append(button);
     }
-  }
-
-  /** A mouse turns it both ways; a finger from side to side, and scrolls the page up and down. */
-  private drag(picture: Picture): void {
-    this.canvas.addEventListener("pointerdown", (event) => {
-      this.canvas.setPointerCapture(event.pointerId);
-    });
-    this.canvas.addEventListener("pointermove", (event) => {
-      if (!this.canvas.hasPointerCapture(event.pointerId)) return;
-      const up = event.pointerType === "mouse" ? event.movementY * DRAG : 0;
-      picture.view.turn(-event.movementX * DRAG, up);
-      picture.ask();
-    });
   }
 }

@@ -1,10 +1,9 @@
 // The card "State", and what the tool touches.
 
+import type { Device, DeviceState } from "hapticd";
 import { at, fill, h, say } from "../dom";
-import type { Device, DeviceState } from "../model";
-import type { Source } from "../source";
 import { number } from "../units";
-import { faultWords, limiterWords, type Words } from "../words/bits";
+import { bitWords, type Words } from "../words/bits";
 import { contactWords, deratingWords, proxyWords, stateWords } from "../words/state";
 
 /** A limit that acts for one tick is shown for this long, ms: people read slower. */
@@ -14,8 +13,6 @@ export class StateCard {
   private readonly card = at("state-card");
   private readonly gain = at<HTMLMeterElement>("gain");
   private readonly lastActed = new Map<number, number>();
-
-  constructor(private readonly source: () => Source) {}
 
   show(): void {
     this.lastActed.clear();
@@ -46,7 +43,7 @@ export class StateCard {
 
   private faults(bits: number): void {
     fill(at("faults"), String(bits), () =>
-      faultWords(bits, this.source().faultNames).map(({ name, title, help }) =>
+      bitWords("faults", bits).map(({ name, title, help }) =>
         h(
           "div",
           { class: "fault" },
@@ -65,7 +62,7 @@ export class StateCard {
     const item = ({ name, title, help }: Words) =>
       h("li", { title: help }, `${title} `, h("code", {}, name));
     fill(at("limiters"), String(shown), () => {
-      const words = limiterWords(shown, this.source().limiterNames);
+      const words = bitWords("limiters", shown);
       return words.length === 0 ? ["None."] : [h("ul", {}, ...words.map(item))];
     });
   }

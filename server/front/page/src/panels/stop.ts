@@ -1,8 +1,9 @@
 // The emergency stop: the button, Esc and Shift+S. A stop that got no answer is sent again until it
 // has one.
 
+import { ClientError } from "hapticd";
 import { at, say } from "../dom";
-import { SourceError, type Source } from "../source";
+import type { Source } from "../live_source";
 
 const AGAIN_MS = 200;
 const TRIES = 50;
@@ -51,7 +52,7 @@ export class Stop {
         this.tell(`Stopped ${stopped.join(", ")} in ${took} ms.`, false);
         break;
       } catch (error) {
-        const refused = error instanceof SourceError && error.code === "unauthenticated";
+        const refused = error instanceof ClientError && error.code === "unauthenticated";
         this.tell(
           refused
             ? "Not stopped: this page has no key. Switch the device off by its own switch."

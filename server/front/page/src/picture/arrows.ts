@@ -1,17 +1,10 @@
 // The force of each actuator: a straight arrow for a force, a bent one for a torque. Its size is
 // the share of the actuator's limit.
 
+import type { DrawnForce, Drawing } from "hapticd";
 import {
-  ConeGeometry,
-  CylinderGeometry,
-  Group,
-  Mesh,
-  Quaternion,
-  TorusGeometry,
-  Vector3,
-  type Material,
+  ConeGeometry, CylinderGeometry, Group, Mesh, Quaternion, TorusGeometry, Vector3, type Material,
 } from "three";
-import type { DrawnForce, Drawing } from "./drawing";
 import { vector, type Frames } from "./frames";
 
 const Y = new Vector3(0, 1, 0);
@@ -109,11 +102,5 @@ export class Arrows {
         .premultiply(frame);
       holder.matrixWorldNeedsUpdate = true;
     }
-  }
-
-  dispose(): void {
-    this.group.traverse((object) => {
-      if (object instanceof Mesh) object.geometry.dispose();
-    });
   }
 }

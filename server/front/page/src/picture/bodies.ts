@@ -1,15 +1,7 @@
 // The bodies of one part of a drawing as capsules of one material.
 
-import {
-  CapsuleGeometry,
-  Group,
-  Mesh,
-  Quaternion,
-  Vector3,
-  type Box3,
-  type Material,
-} from "three";
-import type { DrawnCapsule, Drawing } from "./drawing";
+import type { DrawnCapsule, DrawnPart, Drawing } from "hapticd";
+import { CapsuleGeometry, Group, Mesh, Vector3, type Box3, type Material } from "three";
 import { vector, type Frames } from "./frames";
 
 const UP = new Vector3(0, 1, 0); // a CapsuleGeometry stands along y
@@ -20,9 +12,7 @@ function mesh(capsule: DrawnCapsule, material: Material): Mesh {
   const length = along.length();
   const made = new Mesh(new CapsuleGeometry(capsule.radius, length, 6, 16), material);
   made.position.copy(from).addScaledVector(along, 0.5);
-  if (length > 0) {
-    made.quaternion.copy(new Quaternion().setFromUnitVectors(UP, along.divideScalar(length)));
-  }
+  if (length > 0) made.quaternion.setFromUnitVectors(UP, along.divideScalar(length));
   return made;
 }
 
@@ -30,7 +20,7 @@ export class Bodies {
   readonly group = new Group();
   private readonly places: { body: number; group: Group }[] = [];
 
-  constructor(drawing: Drawing, part: number, material: Material) {
+  constructor(drawing: Drawing, part: DrawnPart, material: Material) {
     drawing.bodies.forEach((body, index) => {
       if (body.part !== part) return;
       const group = new Group();
@@ -49,12 +39,6 @@ export class Bodies {
       group.matrix.copy(frame);
       group.matrixWorldNeedsUpdate = true;
     }
-  }
-
-  dispose(): void {
-    this.group.traverse((object) => {
-      if (object instanceof Mesh) object.geometry.dispose();
-    });
   }
 }
 

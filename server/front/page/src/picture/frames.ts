@@ -2,17 +2,8 @@
 
 import { Matrix4, Quaternion, Vector3 } from "three";
 import {
-  KIND_AIM,
-  KIND_ORIENTATION,
-  KIND_ROTATION,
-  KIND_ROTATION_VECTOR,
-  KIND_TRANSLATION,
-  VALUE_Q,
-  VALUE_X,
-  type DrawnBody,
-  type DrawnMotion,
-  type Drawing,
-} from "./drawing";
+  DrawnMotion_Kind as Kind, DrawnValue, type DrawnBody, type DrawnMotion, type Drawing,
+} from "hapticd";
 
 const ONE = new Vector3(1, 1, 1);
 const Z = new Vector3(0, 0, 1);
@@ -65,17 +56,17 @@ function moved(
 ): Matrix4 | null {
   const amount = motion.factor * finite(values[motion.index]) + motion.offset;
   switch (motion.kind) {
-    case KIND_ROTATION:
+    case Kind.ROTATION:
       return turn(vector(motion.axis), amount);
-    case KIND_TRANSLATION: {
+    case Kind.TRANSLATION: {
       const { x, y, z } = vector(motion.axis).multiplyScalar(amount);
       return new Matrix4().makeTranslation(x, y, z);
     }
-    case KIND_ORIENTATION:
+    case Kind.ORIENTATION:
       return new Matrix4().makeRotationFromQuaternion(quaternion(values, motion.index));
-    case KIND_ROTATION_VECTOR:
+    case Kind.ROTATION_VECTOR:
       return turnByVector(vector(values, motion.index));
-    case KIND_AIM:
+    case Kind.AIM:
       return aimed(motion, frame, earlier);
     default:
       return null;
@@ -93,7 +84,7 @@ function frameOf(
   const frame = parent.clone();
   frame.multiply(new Matrix4().compose(vector(body.position), quaternion(body.orientation), ONE));
   for (const motion of body.motions) {
-    const values = motion.value === VALUE_Q ? q : motion.value === VALUE_X ? x : [];
+    const values = motion.value === DrawnValue.Q ? q : motion.value === DrawnValue.X ? x : [];
     const step = moved(motion, values, frame, earlier);
     if (!step) return null;
     frame.multiply(step);

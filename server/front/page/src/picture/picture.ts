@@ -1,41 +1,25 @@
 // The device, as it stands now: its bodies, where its spring pulls it to, its tool at the probe and
 // at the proxy, and the force of each actuator.
 
-import {
-  AmbientLight,
-  Box3,
-  Color,
-  DirectionalLight,
-  EqualDepth,
-  GridHelper,
-  MeshLambertMaterial,
-  Quaternion,
-  Scene,
-  Vector3,
-  WebGLRenderer,
-} from "three";
+import { DrawnPart, type DeviceState, type Drawing } from "hapticd";
+import { Box3, EqualDepth, GridHelper, MeshLambertMaterial, Vector3 } from "three";
+import { colour } from "../dom";
 import { Arrows } from "./arrows";
 import { addBounds, Bodies } from "./bodies";
-import { PART_DEVICE, PART_TOOL, type Drawing } from "./drawing";
 import { frames } from "./frames";
-import { gridStep, View } from "./view";
+import { ghostly, Painter } from "./painter";
+import { gridStep, type View } from "./view";
 
 /** Part of a state that the picture shows. */
-export interface Pose {
-  q: readonly number[];
-  qStar: readonly number[];
-  xProbe: readonly number[];
-  x: readonly number[];
-  tauA: readonly number[];
-}
+type Pose = Pick<DeviceState, "q" | "qStar" | "xProbe" | "x" | "tauA">;
+
+/** Layers of bodies, in the order in which they are drawn over each other. */
+const LAYERS = ["device", "ghost", "toolDepth", "tool", "proxy"] as const;
+type Layer = (typeof LAYERS)[number];
 
 interface Shown {
   drawing: Drawing;
-  device: Bodies;
-  ghost: Bodies;
-  toolDepth: Bodies;
-  tool: Bodies;
-  proxy: Bodies;
+  bodies: Record<Layer, Bodies>;
   arrows: Arrows;
   grid: GridHelper;
 }
@@ -43,22 +27,8 @@ interface Shown {
 /** Between two pictures, if the person asked the system for less motion, ms. */
 const STILL_MS = 500;
 
-/** A ghost where another body stands gives way to it, so that neither flickers. */
-function ghostly(): MeshLambertMaterial {
-  return new MeshLambertMaterial({
-    transparent: true,
-    opacity: 0.45,
-    depthWrite: false,
-    polygonOffset: true,
-    polygonOffsetFactor: 2,
-    polygonOffsetUnits: 2,
-  });
-}
-
 export class Picture {
-  readonly view = new View();
-  private readonly renderer: WebGLRenderer;
-  private readonly scene = new Scene();
+  private readonly painter: Painter;
   private readonly materials = {
     device: new MeshLambertMaterial(),
     ghost: ghostly(),
@@ -71,21 +41,21 @@ export class Picture {
   };
   private shown: Shown | null = null;
   private pose: Pose | null = null;
-  private asked = false;
   private readonly bounds = new Box3();
   private readonly still = matchMedia("(prefers-reduced-motion: reduce)");
 
   /** Throws if the browser has no WebGL. */
-  constructor(private readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    const sun = new DirectionalLight(0xffffff, 2.2);
-    sun.position.set(0.4, 0.8, 1);
-    this.view.camera.add(sun); // shines from behind the onlooker
-    this.scene.add(this.view.camera, new AmbientLight(0xffffff, 1.1));
-    new ResizeObserver(() => this.resize()).observe(canvas);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour());
-    this.recolour();
+  constructor(canvas: HTMLCanvasElement) {
+    this.painter = new Painter(canvas, false, {
+      theme: () => this.recolour(),
+      resize: () => this.view.measure(),
+      paint: () => this.shown && this.pose && this.place(this.shown, this.pose),
+    });
+    this.painter.theme();
+  }
+
+  get view(): View {
+    return this.painter.view;
   }
 
   /** `limits`: per actuator, N or N m; `first`: the pose that the view is made for. Answers with
@@ -99,34 +69,28 @@ export class Picture {
     const reach = size.length();
     const step = gridStep(Math.max(size.x, size.y, size.z));
     this.view.fit(box.expandByVector(size.multiplyScalar(0.1))); // it will move
-    const { device, ghost, toolDepth, tool, proxy, force } = this.materials;
-    this.shown = {
-      drawing,
-      device: new Bodies(drawing, PART_DEVICE, device),
-      ghost: new Bodies(drawing, PART_DEVICE, ghost),
-      toolDepth: new Bodies(drawing, PART_TOOL, toolDepth),
-      tool: new Bodies(drawing, PART_TOOL, tool),
-      proxy: new Bodies(drawing, PART_TOOL, proxy),
-      arrows: new Arrows(drawing, reach, limits, force),
-      grid: this.grid(box, step),
+    const made = (layer: Layer) => {
+      const isDevice = layer === "device" || layer === "ghost";
+      const part = isDevice ? DrawnPart.DEVICE : DrawnPart.TOOL;
+      return [layer, new Bodies(drawing, part, this.materials[layer])] as const;
     };
-    const parts = this.parts(this.shown);
-    this.scene.add(...parts);
+    const bodies = Object.fromEntries(LAYERS.map(made)) as Record<Layer, Bodies>;
+    const arrows = new Arrows(drawing, reach, limits, this.materials.force);
+    const grid = this.grid(box, step);
+    this.shown = { drawing, bodies, arrows, grid };
+    const parts = [grid, ...LAYERS.map((layer) => bodies[layer].group), arrows.group];
+    this.painter.world.add(...parts);
     parts.forEach((part, order) => part.traverse((object) => (object.renderOrder = order)));
-    this.recolour();
+    this.painter.theme();
     this.update(first);
     return step;
   }
 
   /** Takes the device out of the picture. */
   clear(): void {
-    if (!this.shown) return;
-    this.scene.remove(...this.parts(this.shown));
-    const { device, ghost, toolDepth, tool, proxy, arrows, grid } = this.shown;
-    for (const part of [device, ghost, toolDepth, tool, proxy, arrows, grid]) part.dispose();
     this.shown = null;
     this.pose = null;
-    this.ask();
+    this.painter.clear();
   }
 
   update(pose: Pose): void {
@@ -134,46 +98,25 @@ export class Picture {
     this.ask();
   }
 
-  /** Draws before the browser's next frame, once; later if the person wants less motion. */
+  /** Draws soon; later if the person wants less motion. */
   ask(): void {
-    if (this.asked) return;
-    this.asked = true;
-    const frame = () =>
-      requestAnimationFrame(() => {
-        this.asked = false;
-        this.draw();
-      });
-    if (this.still.matches) setTimeout(frame, STILL_MS);
-    else frame();
+    this.painter.ask(this.still.matches ? STILL_MS : 0);
   }
 
-  private draw(): void {
-    if (this.shown && this.pose) this.place(this.shown, this.pose);
-    this.renderer.render(this.scene, this.view.camera);
-  }
-
-  private place(shown: Shown, pose: Pose): void {
-    const now = frames(shown.drawing, pose.q, pose.xProbe);
-    shown.device.place(now);
-    shown.toolDepth.place(now);
-    shown.tool.place(now);
-    shown.arrows.place(now, pose.tauA);
-    addBounds(shown.drawing, now, this.bounds.makeEmpty());
+  private place({ drawing, bodies, arrows }: Shown, pose: Pose): void {
+    const now = frames(drawing, pose.q, pose.xProbe);
+    for (const layer of ["device", "toolDepth", "tool"] as const) bodies[layer].place(now);
+    arrows.place(now, pose.tauA);
+    addBounds(drawing, now, this.bounds.makeEmpty());
     this.view.include(this.bounds);
     const pulled = pose.qStar.length > 0;
     const led = pose.x.length > 0;
-    shown.ghost.group.visible = pulled;
-    shown.proxy.group.visible = led;
+    bodies.ghost.group.visible = pulled;
+    bodies.proxy.group.visible = led;
     if (!pulled && !led) return;
-    const wanted = frames(shown.drawing, pulled ? pose.qStar : pose.q, led ? pose.x : pose.xProbe);
-    shown.ghost.place(wanted);
-    shown.proxy.place(wanted);
-  }
-
-  /** In the order in which they are drawn over each other. */
-  private parts({ device, ghost, toolDepth, tool, proxy, arrows, grid }: Shown) {
-    const bodies = [device, ghost, toolDepth, tool, proxy, arrows];
-    return [grid, ...bodies.map(({ group }) => group)];
+    const wanted = frames(drawing, pulled ? pose.qStar : pose.q, led ? pose.x : pose.xProbe);
+    bodies.ghost.place(wanted);
+    bodies.proxy.place(wanted);
   }
 
   /** Behind the device, across the view. */
@@ -182,35 +125,21 @@ export class Picture {
     const lines = 2 * Math.ceil((0.6 * Math.max(size.x, size.y, size.z)) / step);
     const grid = new GridHelper(lines * step, lines);
     const { normal } = this.view;
-    grid.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 1, 0), normal));
+    grid.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), normal);
     box.getCenter(grid.position);
     const depth = Math.abs(size.dot(normal)) / 2;
     grid.position.addScaledVector(normal, -depth);
     return grid;
   }
 
-  private resize(): void {
-    const { clientWidth, clientHeight } = this.canvas;
-    if (clientWidth === 0 || clientHeight === 0) return;
-    this.renderer.setSize(clientWidth, clientHeight, false);
-    this.view.resize(clientWidth, clientHeight);
-    this.ask();
-  }
-
   private recolour(): void {
-    const style = getComputedStyle(document.documentElement);
-    const colour = (name: string) => new Color(style.getPropertyValue(name).trim());
-    this.materials.device.color = colour("--body-device");
-    this.materials.ghost.color = colour("--body-ghost");
-    this.materials.tool.color = colour("--body-tool");
-    this.materials.proxy.color = colour("--body-proxy");
-    this.materials.force.color = colour("--body-force");
-    if (this.shown) {
-      const material = this.shown.grid.material;
-      material.vertexColors = false;
-      material.color = colour("--grid");
-      material.needsUpdate = true;
+    for (const name of ["device", "ghost", "tool", "proxy", "force"] as const) {
+      this.materials[name].color.set(colour(`--body-${name}`));
     }
-    this.ask();
+    if (!this.shown) return;
+    const { material } = this.shown.grid;
+    material.vertexColors = false;
+    material.color.set(colour("--grid"));
+    material.needsUpdate = true;
   }
 }

@@ -1,12 +1,14 @@
-// From where the device is looked at: onto its widest side, a little from above, and turned by
-// hand.
+// From where a world is looked at: onto its widest side, a little from above, and turned by hand.
 
-import { Box3, PerspectiveCamera, Spherical, Vector3 } from "three";
+import { Box3, type Group, Matrix4, PerspectiveCamera, Spherical, Vector3 } from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
+const X = new Vector3(1, 0, 0);
+const Y = new Vector3(0, 1, 0);
+const Z = new Vector3(0, 0, 1);
 const TILT = 0.35; // rad, so that depth can be seen
 const ASIDE = 0.4;
 const STEP = Math.PI / 12;
-const FAR_UP = 0.05; // rad that is left to the pole
 const AIR = 1.08;
 
 /** A step of the grid that gives about eight lines: 1, 2 or 5 times a power of ten, m. */
@@ -23,109 +25,99 @@ function corners({ min, max }: Box3): Vector3[] {
   );
 }
 
+/** A mouse turns the world both ways; a finger from side to side, and scrolls the page up and
+ * down. */
 export class View {
   readonly camera = new PerspectiveCamera(32, 1, 0.001, 100);
-  /** Across the widest side of the device: a flat device lies in the picture's plane. */
-  readonly normal = new Vector3(0, 0, 1);
-  private readonly up = new Vector3(0, 1, 0);
+  /** The side of the world that is looked at. */
+  readonly normal = new Vector3();
+  private readonly controls: OrbitControls;
   private readonly box = new Box3();
-  private readonly target = new Vector3();
-  private azimuth = ASIDE;
-  private elevation = TILT;
-  private distance = 1;
-  private zoom = 1;
 
-  /** Chooses the side for `box`, and looks at all of it. */
+  /** `changed`: another picture is needed. `moves`: the wheel and other buttons move the camera. */
+  constructor(
+    canvas: HTMLCanvasElement,
+    private readonly world: Group,
+    moves: boolean,
+    changed: () => void,
+  ) {
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableZoom = this.controls.enablePan = moves;
+    this.controls.addEventListener("change", changed);
+    canvas.style.touchAction = ""; // as the style sheet says
+  }
+
+  /** Looks at all of `box`, across its widest side: a flat device lies in the picture's plane. */
   fit(box: Box3): void {
-    const size = box.getSize(new Vector3());
-    if (size.z <= size.x && size.z <= size.y) {
-      this.normal.set(0, 0, 1);
-      this.up.set(0, 1, 0);
-    } else {
-      if (size.y <= size.x) this.normal.set(0, -1, 0);
-      else this.normal.set(1, 0, 0);
-      this.up.set(0, 0, 1);
-    }
-    this.box.copy(box);
+    const { x, y, z } = box.getSize(new Vector3());
+    if (z <= x && z <= y) this.look(box, Z, Y);
+    else this.look(box, y <= x ? Y.clone().negate() : X, Z);
+  }
+
+  /** Looks at all of `box` from the side of `normal`. */
+  look(box: Box3, normal: Vector3, up: Vector3): void {
+    const above = up.clone().normalize();
+    const right = new Vector3().crossVectors(above, normal).normalize();
+    this.normal.crossVectors(right, above);
+    const turned = new Matrix4().makeBasis(right, above, this.normal).transpose();
+    this.world.quaternion.setFromRotationMatrix(turned);
+    this.world.updateMatrix();
+    this.box.copy(box).applyMatrix4(this.world.matrix);
     this.reset();
   }
 
   /** Moves away until `box` is seen too; the direction stays. */
   include(box: Box3): void {
-    if (this.box.containsBox(box)) return;
-    this.box.union(box);
+    const seen = box.clone().applyMatrix4(this.world.matrix);
+    if (this.box.containsBox(seen)) return;
+    this.box.union(seen);
     this.measure();
   }
 
   reset(): void {
-    this.azimuth = ASIDE;
-    this.elevation = TILT;
-    this.zoom = 1;
+    const { target } = this.controls;
+    this.camera.zoom = 1;
+    this.camera.position.setFromSphericalCoords(1, Math.PI / 2 - TILT, ASIDE).add(target);
     this.measure();
-  }
-
-  turn(right: number, up: number): void {
-    this.azimuth += right;
-    const most = Math.PI / 2 - FAR_UP;
-    this.elevation = Math.min(Math.max(this.elevation + up, -most), most);
-    this.place();
   }
 
   turnStep(right: number, up: number): void {
-    this.turn(right * STEP, up * STEP);
+    const { camera, controls } = this;
+    const way = new Spherical().setFromVector3(camera.position.clone().sub(controls.target));
+    way.theta += right * STEP;
+    way.phi -= up * STEP;
+    camera.position.setFromSpherical(way.makeSafe()).add(controls.target);
+    controls.update();
   }
 
   magnify(factor: number): void {
-    this.zoom = Math.min(Math.max(this.zoom * factor, 0.3), 8);
-    this.place();
+    this.camera.zoom = Math.min(Math.max(this.camera.zoom * factor, 0.3), 8);
+    this.camera.updateProjectionMatrix();
   }
 
-  resize(width: number, height: number): void {
-    this.camera.aspect = width / Math.max(height, 1);
-    this.measure();
-  }
-
-  /** How far the camera has to be to see all corners of the box. */
-  private measure(): void {
+  /** Moves the camera so far away that it sees all corners of the box. */
+  measure(): void {
     if (this.box.isEmpty()) return;
-    this.box.getCenter(this.target);
-    const away = this.away();
-    const right = new Vector3().crossVectors(this.up, away).normalize();
+    const { camera, controls } = this;
+    const away = camera.position.clone().sub(controls.target).normalize();
+    const right = new Vector3().crossVectors(Y, away).normalize();
     const above = new Vector3().crossVectors(away, right);
-    const high = Math.tan((this.camera.fov / 360) * Math.PI);
-    const wide = high * this.camera.aspect;
-    this.distance = 0;
+    const high = Math.tan((camera.fov / 360) * Math.PI);
+    const wide = high * camera.aspect;
+    this.box.getCenter(controls.target);
+    let distance = 0;
     for (const corner of corners(this.box)) {
-      corner.sub(this.target);
+      corner.sub(controls.target);
       const across = Math.max(
         Math.abs(corner.dot(right)) / wide,
         Math.abs(corner.dot(above)) / high,
       );
-      this.distance = Math.max(this.distance, corner.dot(away) + AIR * across);
+      distance = Math.max(distance, corner.dot(away) + AIR * across);
     }
-    this.place();
-  }
-
-  /** From the target to the camera. Spherical counts from y, and its azimuth from z. */
-  private away(): Vector3 {
-    const way = new Vector3().setFromSpherical(
-      new Spherical(1, Math.PI / 2 - this.elevation, this.azimuth),
-    );
-    return new Vector3()
-      .crossVectors(this.up, this.normal)
-      .multiplyScalar(way.x)
-      .addScaledVector(this.up, way.y)
-      .addScaledVector(this.normal, way.z);
-  }
-
-  private place(): void {
-    const { camera } = this;
-    const distance = this.distance / this.zoom;
-    camera.position.copy(this.target).addScaledVector(this.away(), distance);
-    camera.up.copy(this.up);
-    camera.lookAt(this.target);
+    camera.position.copy(controls.target).addScaledVector(away, distance);
     camera.near = distance / 100;
     camera.far = distance * 20;
     camera.updateProjectionMatrix();
+    controls.update();
   }
 }

@@ -1,7 +1,7 @@
 // One trace: a heading, the newest values as legend, and uPlot's canvas.
 
 import uPlot from "uplot";
-import { h, say } from "../dom";
+import { colour, h, say } from "../dom";
 import { number, withUnit } from "../units";
 import { History } from "./history";
 import { PALETTE, type Line, type Plan } from "./plans";
@@ -11,11 +11,6 @@ const DASH = [6, 4];
 /** The longest window, s; and the rows kept: as much at 60 states per second, and some. */
 const LONGEST = 60;
 const ROWS = 4000;
-
-function colours(): (name: string) => string {
-  const style = getComputedStyle(document.documentElement);
-  return (name) => style.getPropertyValue(name).trim();
-}
 
 /** Least span of a scale: less would show noise as if it were much. */
 const LEAST: Record<string, number> = {
@@ -45,16 +40,9 @@ function range(
   return [zero ? 0 : low - air, high + air];
 }
 
-function swatch(line: Line): SVGElement {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("viewBox", "0 0 22 6");
-  svg.setAttribute("aria-hidden", "true");
-  svg.setAttribute("class", "swatch");
-  const path = document.createElementNS(svg.namespaceURI!, "path");
-  path.setAttribute("d", "M0 3H22");
-  path.setAttribute("class", `line-${line.colour % PALETTE}${line.dashed ? " dashed" : ""}`);
-  svg.append(path);
-  return svg;
+function swatch({ colour, dashed }: Line): HTMLElement {
+  const style = `border-color: var(--line-${colour % PALETTE})`;
+  return h("span", { class: `swatch${dashed ? " dashed" : ""}`, style, "aria-hidden": "true" });
 }
 
 export class Chart {
@@ -137,11 +125,10 @@ export class Chart {
   }
 
   private options(width: number): uPlot.Options {
-    const colour = colours();
     const units = [...new Set(this.plan.lines.map((line) => line.unit))];
     const axis = {
       stroke: colour("--soft"),
-      font: `11px ${colour("--font")}`,
+      font: `11px ${getComputedStyle(document.body).fontFamily}`,
       grid: { stroke: colour("--rule"), width: 1 },
       ticks: { show: false },
     };

@@ -1,64 +1,44 @@
-// Columns of numbers over time, of the last minute.
+// Rows of numbers over time, of the last minute.
 
-/** One column may have no value at a time: NaN. */
 export class History {
-  private times: Float64Array;
-  private columns: Float64Array[];
-  private begin = 0;
-  private end = 0;
+  private rows: { time: number; values: readonly number[] }[] = [];
 
-  /** Keeps `capacity` rows at least. */
+  /** Keeps the newest `capacity` rows. */
   constructor(
-    columns: number,
+    private readonly columns: number,
     private readonly capacity: number,
-  ) {
-    this.times = new Float64Array(2 * capacity);
-    this.columns = Array.from({ length: columns }, () => new Float64Array(2 * capacity));
-  }
+  ) {}
 
-  /** `time` in s, above the last one's; other rows are left out. */
+  /** `time` in s, above the last one's; other rows are left out. A value that is missing or no
+   * number is none. */
   push(time: number, values: readonly number[]): void {
-    if (this.end > this.begin && !(time > this.times[this.end - 1]!)) return;
-    if (this.end === this.times.length) this.slide();
-    this.times[this.end] = time;
-    this.columns.forEach((column, i) => (column[this.end] = values[i] ?? NaN));
-    this.end++;
-    this.begin = Math.max(this.begin, this.end - this.capacity);
+    const newest = this.rows.at(-1);
+    if (newest && !(time > newest.time)) return;
+    this.rows.push({ time, values });
+    if (this.rows.length > this.capacity) this.rows.shift();
   }
 
   /** Values that come later are not joined to these by a line. */
   cut(): void {
-    if (this.end > this.begin) this.push(this.newest() + 1e-6, []);
+    const newest = this.rows.at(-1);
+    if (newest) this.push(newest.time + 1e-6, []);
   }
 
   clear(): void {
-    this.begin = this.end = 0;
+    this.rows = [];
   }
 
-  /** Time of the newest row, s; 0: there is none. */
-  newest(): number {
-    return this.end > this.begin ? this.times[this.end - 1]! : 0;
-  }
-
-  /** Times relative to `now`, then each column, of the rows of the last `seconds` before it. */
+  /** Times relative to `now`, then each column, of the rows of the last `seconds` before it, and of
+   * one more, from where the line enters. */
   window(now: number, seconds: number): (number | null)[][] {
-    let to = this.end;
-    while (to > this.begin && this.times[to - 1]! > now) to--;
-    let from = to;
-    while (from > this.begin && this.times[from - 1]! >= now - seconds) from--;
-    if (from > this.begin) from--; // the line enters from outside
-    const times = Array.from(this.times.subarray(from, to), (time) => time - now);
-    const columns = this.columns.map((column) =>
-      Array.from(column.subarray(from, to), (value) =>
-        Number.isFinite(value) ? value : null,
-      ),
-    );
-    return [times, ...columns];
-  }
-
-  private slide(): void {
-    for (const column of [this.times, ...this.columns]) column.copyWithin(0, this.begin, this.end);
-    this.end -= this.begin;
-    this.begin = 0;
+    const seen = this.rows.filter(({ time }) => time <= now);
+    const older = seen.filter(({ time }) => time < now - seconds).length;
+    const rows = seen.slice(Math.max(older - 1, 0));
+    const column = (i: number) => rows.map(({ values }) => {
+      const value = values[i] ?? NaN;
+      return Number.isFinite(value) ? value : null;
+    });
+    return [rows.map(({ time }) => time - now),
+            ...Array.from({ length: this.columns }, (_, i) => column(i))];
   }
 }

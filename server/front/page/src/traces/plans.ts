@@ -1,6 +1,6 @@
 // Which traces a device has, and where their values come from.
 
-import type { Device, DeviceState, ServerInfo } from "../model";
+import type { DegreeOfFreedom, Device, DeviceState, GetServerInfoResponse } from "hapticd";
 import { actuated, effortUnit, shownIn } from "../units";
 
 export interface Line {
@@ -27,48 +27,45 @@ export interface StatePlan extends Plan {
 
 export const PALETTE = 8;
 
-function scaled(values: readonly number[], factors: readonly number[]): number[] {
-  return factors.map((factor, i) => (values[i] ?? NaN) * factor);
+/** A line per DoF, and values in SI as these lines show them. */
+function perDof(dofs: DegreeOfFreedom[], unit: (dof: DegreeOfFreedom) => string, suffix = "",
+                dashed = false) {
+  const shown = dofs.map((dof) => shownIn(unit(dof)));
+  const lines = dofs.map(({ name }, i): Line => ({
+    label: name + suffix,
+    unit: shown[i]!.unit,
+    digits: shown[i]!.digits,
+    colour: i,
+    dashed: dashed || i >= PALETTE,
+  }));
+  const scaled = (values: readonly number[]) =>
+    shown.map(({ factor }, i) => (values[i] ?? NaN) * factor);
+  return { lines, scaled };
 }
+const effort = ({ unit }: DegreeOfFreedom): string => effortUnit(unit);
 
 function forces(device: Device): StatePlan {
-  const dofs = actuated(device);
-  const shown = dofs.map((dof) => shownIn(effortUnit(dof.unit)));
-  const factors = shown.map(({ factor }) => factor);
-  const lines = (suffix: string, dashed: boolean): Line[] =>
-    dofs.map((dof, i) => ({
-      label: `${dof.name} ${suffix}`,
-      unit: shown[i]!.unit,
-      digits: shown[i]!.digits,
-      colour: i,
-      dashed,
-    }));
+  const total = perDof(actuated(device), effort, " total");
+  const spring = perDof(actuated(device), effort, " spring", true);
   return {
     id: "force",
     title: "Force",
     help: "Solid: what the actuators are told to give. Dashed: the spring's part of it.",
-    lines: [...lines("total", false), ...lines("spring", true)],
+    lines: [...total.lines, ...spring.lines],
     absent: "This device has no actuator.",
-    sample: (state) => [...scaled(state.tauA, factors), ...scaled(state.tauElastic, factors)],
+    sample: (state) => [...total.scaled(state.tauA), ...spring.scaled(state.tauElastic)],
   };
 }
 
 function positions(device: Device): StatePlan {
-  const shown = device.dofs.map((dof) => shownIn(dof.unit));
-  const factors = shown.map(({ factor }) => factor);
+  const { lines, scaled } = perDof(device.dofs, ({ unit }) => unit);
   return {
     id: "position",
     title: "Position",
     help: "Where each joint of the device stands.",
-    lines: device.dofs.map((dof, i) => ({
-      label: dof.name,
-      unit: shown[i]!.unit,
-      digits: shown[i]!.digits,
-      colour: i,
-      dashed: i >= PALETTE,
-    })),
+    lines,
     absent: "No position came yet.",
-    sample: (state) => scaled(state.q, factors),
+    sample: (state) => scaled(state.q),
   };
 }
 
@@ -84,21 +81,14 @@ function age(): StatePlan {
 }
 
 function bound(device: Device): StatePlan {
-  const dofs = actuated(device);
-  const shown = dofs.map((dof) => shownIn(effortUnit(dof.unit)));
-  const factors = shown.map(({ factor }) => factor);
+  const { lines, scaled } = perDof(actuated(device), effort);
   return {
     id: "bound",
     title: "Error bound of the force",
     help: "How far the force is, at most, from what the simulation would make felt now.",
-    lines: dofs.map((dof, i) => ({
-      label: dof.name,
-      unit: shown[i]!.unit,
-      digits: shown[i]!.digits,
-      colour: i,
-    })),
+    lines,
     absent: "Not known: the simulation does not say how sure it is of its contacts.",
-    sample: (state) => scaled(state.errorBound, factors),
+    sample: (state) => scaled(state.errorBound),
   };
 }
 
@@ -131,7 +121,6 @@ export const LATENESS: Plan = {
   absent: "No figure came yet.",
 };
 
-export function lateness(info: ServerInfo): number[] {
-  const { loop } = info;
+export function lateness({ loop }: GetServerInfoResponse): number[] {
   return loop ? [loop.latenessP50Us, loop.latenessP99Us, loop.latenessMaxUs] : [];
 }

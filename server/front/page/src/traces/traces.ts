@@ -1,7 +1,7 @@
 // All traces of a device: how long they are, and whether they stand still.
 
+import type { Device, DeviceState, GetServerInfoResponse } from "hapticd";
 import { at, say } from "../dom";
-import type { Device, DeviceState, ServerInfo } from "../model";
 import { Chart } from "./chart";
 import { LATENESS, lateness, plans, type StatePlan } from "./plans";
 
@@ -62,7 +62,7 @@ export class Traces {
     this.newest = time;
   }
 
-  server(info: ServerInfo): void {
+  server(info: GetServerInfoResponse): void {
     if (this.newest > 0) this.late.history.push(this.newest, lateness(info));
   }
 

@@ -1,13 +1,16 @@
 // Faults and limiters in words, by the names that the protocol gives their bits
 // (proto/README.md#faults-and-limiters).
 
+import { bitNames } from "hapticd";
+
 export interface Words {
   name: string; // the protocol's: "SLEW"
   title: string;
   help: string;
 }
 
-const FAULTS: Record<string, [string, string]> = {
+const WORDS: Record<string, [title: string, help: string]> = {
+  // Faults.
   DEVICE_SILENT: ["The device is silent", "It sent no sample for too long. Check its cable."],
   DEVICE_LOST: ["The device is gone", "The device, or the link to it, does not answer."],
   SAMPLE_NOT_FINITE: ["A sensor gave no number", "A position of the device was not a number."],
@@ -30,9 +33,8 @@ const FAULTS: Record<string, [string, string]> = {
     "Force sensor disagrees",
     "It is further from what the drive gives than friction explains.",
   ],
-};
 
-const LIMITERS: Record<string, [string, string]> = {
+  // Limiters.
   SATURATION: ["At the force limit", "More force was asked for than the scene allows."],
   SLEW: ["Force rises as fast as allowed", "It would have changed faster than the scene allows."],
   ENVELOPE: ["Force is being faded in or out", "It is held under its share of the limit."],
@@ -61,29 +63,11 @@ const LIMITERS: Record<string, [string, string]> = {
   DERATED: ["Softer, because of delay", "A stiffer spring would shake at this delay."],
 };
 
-function words(bits: number, names: readonly string[], table: typeof FAULTS): Words[] {
-  const found: Words[] = [];
-  for (let bit = 0; bit < 32; bit++) {
-    if (((bits >>> bit) & 1) === 0) continue;
-    const known = names[bit] ?? "-";
-    const name = known === "-" ? `BIT_${bit}` : known;
-    const [title, help] = table[name] ?? [name, "This page does not know it: it is newer."];
-    found.push({ name, title, help });
-  }
-  return found;
-}
-
-export function faultWords(bits: number, names: readonly string[]): Words[] {
-  return words(bits, names, FAULTS);
-}
-
-export function limiterWords(bits: number, names: readonly string[]): Words[] {
-  return words(bits, names, LIMITERS);
-}
-
-/** Names of the protocol that this page has no words for; empty: it knows all of them. */
-export function unknownNames(faults: readonly string[], limiters: readonly string[]): string[] {
-  const missing = (names: readonly string[], table: typeof FAULTS) =>
-    names.filter((name) => name !== "-" && !(name in table));
-  return [...missing(faults, FAULTS), ...missing(limiters, LIMITERS)];
+/** Words of each bit that is set. */
+export function bitWords(field: "faults" | "limiters", bits: number): Words[] {
+  return bitNames(field, bits).map((name) => {
+    const newer = [`Bit ${name}`, "This page does not know it: it is newer."] as const;
+    const [title, help] = WORDS[name] ?? newer;
+    return { name, title, help };
+  });
 }

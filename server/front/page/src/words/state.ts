@@ -1,77 +1,38 @@
 // The state of a device in words.
 
-import { Lifecycle, Mode, type Device, type DeviceState } from "../model";
+import {
+  bitNames, DeviceStateNameSchema, enumName, ProxyMode, type Device, type DeviceState,
+} from "hapticd";
 import { actuated, effortUnit, number, shownIn } from "../units";
 
 /** How it is told apart besides the words: a colour and a sign of its own. */
 export type Tone = "calm" | "ready" | "force" | "fault";
 
-export interface StateWords {
-  name: string; // the protocol's: "ENGAGED"
-  title: string;
-  help: string;
-  tone: Tone;
-}
-
-const STATES: Record<number, StateWords> = {
-  [Lifecycle.INIT]: {
-    name: "INIT",
-    title: "Starting",
-    help: "No position of the device has come yet.",
-    tone: "calm",
-  },
-  [Lifecycle.IDLE]: {
-    name: "IDLE",
-    title: "Waiting",
-    help: "No force. No program controls the device.",
-    tone: "calm",
-  },
-  [Lifecycle.ARMED]: {
-    name: "ARMED",
-    title: "Ready",
-    help: "No force. A program controls the device and may switch force on.",
-    tone: "ready",
-  },
-  [Lifecycle.ENGAGING]: {
-    name: "ENGAGING",
-    title: "Force is fading in",
-    help: "A program switched force on.",
-    tone: "force",
-  },
-  [Lifecycle.ENGAGED]: {
-    name: "ENGAGED",
-    title: "Force is on",
-    help: "A spring pulls the device to where the simulation lets it be.",
-    tone: "force",
-  },
-  [Lifecycle.RELEASING]: {
-    name: "RELEASING",
-    title: "Force is fading out",
-    help: "Force was released.",
-    tone: "force",
-  },
-  [Lifecycle.FAULT]: {
-    name: "FAULT",
-    title: "Stopped by a fault",
-    help: "No force until the fault is cleared.",
-    tone: "fault",
-  },
-  [Lifecycle.CLOSING]: {
-    name: "CLOSING",
-    title: "Shutting down",
-    help: "The server ends.",
-    tone: "calm",
-  },
+/** Words of each state, under the protocol's name. */
+const STATES: Record<string, [title: string, tone: Tone, help: string]> = {
+  INIT: ["Starting", "calm", "No position of the device has come yet."],
+  IDLE: ["Waiting", "calm", "No force. No program controls the device."],
+  ARMED: ["Ready", "ready", "No force. A program controls the device and may switch force on."],
+  ENGAGING: ["Force is fading in", "force", "A program switched force on."],
+  ENGAGED: [
+    "Force is on",
+    "force",
+    "A spring pulls the device to where the simulation lets it be.",
+  ],
+  RELEASING: ["Force is fading out", "force", "Force was released."],
+  FAULT: ["Stopped by a fault", "fault", "No force until the fault is cleared."],
+  CLOSING: ["Shutting down", "calm", "The server ends."],
 };
 
-export function stateWords(state: number): StateWords {
-  return STATES[state] ?? { name: `${state}`, title: "Unknown", help: "", tone: "calm" };
+export function stateWords(state: number) {
+  const name = enumName(DeviceStateNameSchema, state);
+  const [title, tone, help] = STATES[name] ?? ["Unknown", "calm", ""];
+  return { name, title, tone, help };
 }
 
 /** "Force is on" of "ENGAGING -> ENGAGED"; empty: no such state. */
 export function changeWords(reason: string): string {
-  const name = reason.split(" -> ")[1];
-  return Object.values(STATES).find((words) => words.name === name)?.title ?? "";
+  return STATES[reason.split(" -> ")[1] ?? ""]?.[0] ?? "";
 }
 
 const STALENESS = ["", "fresh", "late: the last one is held", "too old: force fades", "lost"];
@@ -87,27 +48,22 @@ export function proxyWords(state: DeviceState): string {
 export function contactWords(state: DeviceState): string {
   if (state.proxySeqUsed === 0n) return "Nothing: no simulation is connected.";
   switch (state.mode) {
-    case Mode.FREE:
+    case ProxyMode.FREE:
       return "Nothing is in the way.";
-    case Mode.HELD:
+    case ProxyMode.HELD:
       return "Held where the simulation keeps the tool, free where it does not.";
-    case Mode.PLANES:
-      return planesWords(state.activePlanes >>> 0);
+    case ProxyMode.PLANES:
+      return planesWords(bitNames("activePlanes", state.activePlanes));
     default:
       return "Nothing.";
   }
 }
 
-function planesWords(bits: number): string {
-  const planes: number[] = [];
-  for (let plane = 0; plane < 32; plane++) if ((bits >>> plane) & 1) planes.push(plane);
+function planesWords(planes: string[]): string {
   if (planes.length === 0) return "Not touching: no surface is reached.";
   if (planes.length === 1) return `Touching surface ${planes[0]} of the simulation.`;
-  const last = planes.pop();
-  return (
-    `Touching ${planes.length + 1} surfaces of the simulation: ` +
-    `${planes.join(", ")} and ${last}.`
-  );
+  const first = planes.slice(0, -1).join(", ");
+  return `Touching ${planes.length} surfaces of the simulation: ${first} and ${planes.at(-1)}.`;
 }
 
 const DELAYS = ["", "samples of the device are", "the held proxy is", "planes that change are"];

@@ -21,19 +21,23 @@ export class Skyline {
     }
     this.rows[i]![k - this.first[i]!]! += value;
   }
-  /** From here on it is its own factor. `least`: no diagonal entry's square is below it. */
-  factor(least: number): void {
+  /** From here on it is its own factor. False: a square on its diagonal is not above `share` times
+   * the entry there, so it is not positive definite; `least` is in its place, then. */
+  factor(least: number, share = 0): boolean {
+    let definite = true;
     this.rows.forEach((row, i) => {
-      const begin = this.first[i]!;
+      const begin = this.first[i]!, limit = share * row[i - begin]!;
       for (let k = begin; k <= i; ++k) {
         const other = this.rows[k]!, shift = this.first[k]!;
         let left = row[k - begin]!;
         for (let j = Math.max(begin, shift); j < k; ++j) {
           left -= row[j - begin]! * other[j - shift]!;
         }
+        if (k === i && !(left > limit)) definite = false;
         row[k - begin] = k < i ? left / other[k - shift]! : Math.sqrt(Math.max(left, least));
       }
     });
+    return definite;
   }
   /** x = A^-1 x, after factor(). */
   solve(x: Float64Array): void {

@@ -13,6 +13,8 @@ inline constexpr std::chrono::milliseconds kEvery{4};
 
 struct OneWay {
   double up_us{0.0}, down_us{0.0};  ///< p50
+  /// The same of what comes before the callback (Arrivals). 0: not known.
+  double found_us{0.0}, written_us{0.0};
 };
 
 inline OneWay product_block(Product& product, const std::string& address) {
@@ -32,6 +34,8 @@ inline OneWay product_block(Product& product, const std::string& address) {
     {
       const std::lock_guard lock(product.arrivals.mutex);
       product.arrivals.born.clear();
+      product.arrivals.found_us.clear();
+      product.arrivals.written_us.clear();
     }
     auto next = std::chrono::steady_clock::now();
     for (int i = 0; i < kSamples; ++i) {
@@ -48,7 +52,8 @@ inline OneWay product_block(Product& product, const std::string& address) {
     if (seq == 0 || seq > published.size()) continue;
     up.push_back(static_cast<double>(born - published[seq - 1]) * 1e-3);
   }
-  return {percentile(up, 0.5), percentile(down, 0.5)};
+  return {percentile(up, 0.5), percentile(down, 0.5), percentile(product.arrivals.found_us, 0.5),
+          percentile(product.arrivals.written_us, 0.5)};
 }
 
 inline OneWay bare_block(BareServer& service, const std::string& address) {

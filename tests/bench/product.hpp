@@ -35,12 +35,13 @@ inline void keep_processors_awake() {
   if (host.open_idle_latency() == 0) host.keep_awake(true);
 }
 
-/// Arrival of each sample at the mailbox, its age in every tick and, if `keep_used`, which sample
-/// each tick used.
+/// Arrival of each sample at the mailbox, its age in every tick, the stages of each state's way out
+/// and, if `keep_used`, which sample each tick used.
 class Arrivals final : public server::RecordListener {
  public:
   void on_record(const core::TickRecord& record) override {
     const std::lock_guard lock(mutex);
+    found_us.push_back(since_tick_us(record));
     const core::ProxySnapshot& proxy = record.input.proxy;
     if (proxy.seq != last_) born.emplace_back(proxy.seq, proxy.born.time_since_epoch().count());
     last_ = proxy.seq;
@@ -50,7 +51,13 @@ class Arrivals final : public server::RecordListener {
     }
     skipped += record.input.loop.skipped;
   }
+  void on_newest(const core::TickRecord& record) override {  // the sessions' listener came before
+    const std::lock_guard lock(mutex);
+    written_us.push_back(since_tick_us(record));
+  }
   std::mutex mutex;
+  /// After the begin of a tick: its record is found in the ring, its state is written to gRPC.
+  std::vector<double> found_us{}, written_us{};
   std::vector<std::pair<std::uint64_t, std::int64_t>> born{};
   std::vector<double> ages_us{};
   bool keep_used{false};
@@ -58,6 +65,9 @@ class Arrivals final : public server::RecordListener {
   std::uint64_t skipped{0};
 
  private:
+  static double since_tick_us(const core::TickRecord& record) {
+    return static_cast<double>(now_ns() - record.input.now.time_since_epoch().count()) * 1e-3;
+  }
   std::uint64_t last_{0};
 };
 

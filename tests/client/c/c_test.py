@@ -91,7 +91,7 @@ class FromC(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
 
-    def test_all_of_the_header(self) -> None:
+    def test_what_is_its_own(self) -> None:
         self.run_program("haptic_c_session_test")
 
     def test_example_makes_force(self) -> None:

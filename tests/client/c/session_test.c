@@ -1,5 +1,6 @@
-/* The whole of haptic.h from C99, against a hapticd that serves finger_constant: what is right
- * works, and what is wrong is an error and not a crash.
+/* The part of haptic.h that is C's own, against a hapticd that serves finger_constant: structs and
+ * room that the caller gives, wrong arguments, which are errors and no crash, and when handles end.
+ * The Python package calls every other function: tests/client/python.
  *
  *   session_test ADDRESS */
 #define _POSIX_C_SOURCE 200809L
@@ -139,10 +140,7 @@ static void test_devices(haptic_connection* connection, haptic_session* session)
   size_t count = 0;
   CHECK(haptic_devices(connection, NULL, 0, &count, &error) == HAPTIC_OK && count == 1);
   CHECK(haptic_devices(connection, device, 2, &count, &error) == HAPTIC_OK && count == 1);
-  CHECK(strcmp(device[0].name, "finger") == 0 && strcmp(device[0].controller, "in C") == 0);
-  CHECK(device[0].dof_count == 2 && device[0].actuated_count == 1);
-  CHECK(device[0].coordinate_count == 2 && strcmp(device[0].coordinates[0].unit, "rad") == 0);
-  CHECK(device[0].loop_rate_hz == 1000.0 && device[1].size == 0);
+  CHECK(strcmp(device[0].controller, "in C") == 0 && device[1].size == 0);
   device[1].size = sizeof device[1];
   CHECK(haptic_device_of(session, &device[1], &error) == HAPTIC_OK);
   CHECK(strcmp(device[1].coordinates[1].name, device[0].coordinates[1].name) == 0);
@@ -156,37 +154,6 @@ static void test_server(haptic_connection* connection) {
   CHECK(strcmp(info.scene, "one finger at rest") == 0);
   CHECK(haptic_health(connection, NULL, &healthy, &error) == HAPTIC_OK && healthy >= 0);
   CHECK(haptic_health(connection, "glove", &healthy, &error) == HAPTIC_ERROR_NO_SUCH_DEVICE);
-}
-
-/* A ball of 0.1 m at the origin, touched by the point x itself: gap |x| - 0.1. */
-static void test_contacts(void) {
-  const double x[4] = {9.0, 0.0, 0.0, 0.3}, up[3] = {0.0, 0.0, 1.0};
-  haptic_contact contact = {.size = sizeof contact, .gap = 0.2, .stiffness = 400.0, .id = 7};
-  haptic_point point = {.size = sizeof point};
-  haptic_plane plane = {.size = sizeof plane}, planes[2] = {{.size = sizeof plane}};
-  haptic_coordinate kinds[4] = {{.kind = "linear"}, {.kind = "linear"}, {.kind = "linear"}};
-  const double probe[4] = {9.0, 0.0, 0.0, 0.1}, gradient[4] = {0.0, 0.0, 0.0, 1.0};
-  const haptic_block blocks[2] = {{0, 1}, {1, 3}};
-  size_t count = 0;
-  strcpy(kinds[3].kind, "linear");
-  CHECK(haptic_point_itself(x, 4, 1, &point, &error) == HAPTIC_OK);
-  CHECK(point.count == 3 && point.position[2] == 0.3 && point.jacobian[1][1] == 1.0);
-  contact.point = point;
-  memcpy(contact.normal, up, sizeof up);
-  CHECK(haptic_sphere_curvature(up, 0.3, contact.curvature, &error) == HAPTIC_OK);
-  CHECK(haptic_contact_at(x, 4, &contact, 0.02, &plane, &error) == HAPTIC_OK);
-  CHECK(plane.normal[0] == 0.0 && plane.normal[3] == -1.0 && plane.id == 7);
-  CHECK(fabs(plane.offset - (0.2 - 0.3)) < 1e-15 && plane.compliance == 0.02 / 400.0);
-  CHECK(plane.curvature_count == 6 && plane.first_coordinate == 1);
-  CHECK(fabs(plane.curvature[0] - 1.0 / 0.3) < 1e-12 && fabs(plane.curvature[5]) < 1e-12);
-  CHECK(haptic_contact_of_gap(x, gradient, 4, 0.2, &plane, &error) == HAPTIC_OK);
-  CHECK(plane.normal[3] == -1.0 && fabs(plane.offset + 0.1) < 1e-15 && plane.id == 0);
-  CHECK(haptic_derive_planes(kinds, x, probe, 4, blocks, 2, 1e-9, planes, 2, &count, &error) ==
-        HAPTIC_OK);
-  CHECK(count == 1 && planes[0].normal[3] < 0.0 && planes[0].normal[0] == 0.0);
-  CHECK(fabs(planes[0].offset / planes[0].normal[3] - 0.3) < 1e-12); /* through x */
-  CHECK(fabs(haptic_contact_horizon(100000000, 20000000, 0.3) - 0.036) < 1e-12);
-  CHECK(fabs(haptic_contact_horizon(0, 0, 0.0) - 0.1) < 1e-12);
 }
 
 /* A spring of 300 N/m that begins at x[0] = 0.1, as `user` contacts of the same. */
@@ -250,18 +217,6 @@ static void test_wrong_contacts(void) {
   REFUSED(haptic_contact_at(x, 2, &contact, 1.0, &plane, &error), "object_direction_count = 7");
 }
 
-static void test_refusals_of_the_server(haptic_connection* connection, haptic_session* session) {
-  haptic_session_options options = {.size = sizeof options, .device = "glove"};
-  haptic_session* other = NULL;
-  CHECK(haptic_open(connection, &options, &other, &error) == HAPTIC_ERROR_NO_SUCH_DEVICE);
-  options.device = "finger";
-  CHECK(haptic_open(connection, &options, &other, &error) == HAPTIC_ERROR_LEASE_HELD);
-  CHECK(strcmp(error.server_reason, "LEASE_HELD") == 0 && strstr(error.message, "in C") != NULL);
-  CHECK(other == NULL);
-  CHECK(haptic_engage(session, &error) == HAPTIC_ERROR_NOT_READY);
-  CHECK(error.server_reason[0] != 0);
-}
-
 /* Publishes at each state until the lifecycle is `wanted`; at most 20 s. `beyond`: how far the
  * proxy is held from the probe, if there is force; else the proxy is free. */
 static haptic_state publish_until(haptic_session* session, int wanted, double beyond) {
@@ -280,63 +235,38 @@ static haptic_state publish_until(haptic_session* session, int wanted, double be
 }
 
 static void test_force(haptic_session* session) {
-  haptic_settings wanted = {.size = sizeof wanted, .stiffness = {1, {800.0}}};
-  haptic_settings applied = {.size = sizeof applied};
-  haptic_statistics statistics = {.size = sizeof statistics};
   haptic_state state = {.size = sizeof state};
   haptic_plane wall = {.size = sizeof wall, .normal = {1.0, 0.0}};
   CHECK(haptic_engage_when_ready(session, &error) == HAPTIC_OK);
   publish_until(session, HAPTIC_ENGAGED, 0.01);
   CHECK(haptic_engage_refusal(session, &error) == HAPTIC_NOTHING);
-  CHECK(haptic_update(session, &wanted, &applied, &error) == HAPTIC_OK);
-  CHECK(applied.stiffness.count == 1 && applied.stiffness.value[0] == 800.0);
-  CHECK(applied.clamped == 0 && applied.damping.value[0] == 0.5);
-  CHECK(applied.why_clamped[0] == 0);
-  wanted.stiffness.value[0] = 1e9;
-  CHECK(haptic_update(session, &wanted, &applied, &error) == HAPTIC_OK && applied.clamped == 1);
-  CHECK(strstr(applied.why_clamped, "stiffness[0] = 1e+09: ") != NULL);
-  wanted.renderer = 4; /* RENDERER_SUBSPACE_EXACT */
-  CHECK(haptic_update(session, &wanted, &applied, &error) == HAPTIC_ERROR_NOT_READY);
-  CHECK(strstr(error.message, "renderer") != NULL);
-  CHECK(applied.stiffness.value[0] < 1e9);
   for (int i = 0; i < 4000 && (state.active_planes & 1U) == 0; ++i) {
     CHECK(haptic_wait_for_state(session, 10000, &state, &error) == HAPTIC_OK);
     wall.offset = state.x_probe.value[0] - 0.005;
     CHECK(haptic_publish_planes(session, state.x_probe.value, 2, &wall, 1, &error) == HAPTIC_OK);
   }
   CHECK((state.active_planes & 1U) == 1U && state.mode == HAPTIC_PLANES);
-  CHECK(haptic_statistics_of(session, &statistics, &error) == HAPTIC_OK);
-  CHECK(statistics.connected == 1 && statistics.accepted > 0 && statistics.round_trip_ns > 0);
   CHECK(haptic_release(session, &error) == HAPTIC_OK);
-  publish_until(session, HAPTIC_ARMED, 0.0);
-  wanted.direction_guard = 1;
-  CHECK(haptic_update(session, &wanted, &applied, &error) == HAPTIC_OK);
-  CHECK(applied.renderer == 4 && applied.direction_guard == 1);
 }
 
+/* Names go into the room that there is, and an event that is none leaves nothing behind. */
 static void test_emergency_stop(haptic_connection* connection, haptic_session* session) {
-  const uint32_t stopped = 1U << 7; /* EMERGENCY_STOP in session.proto */
   haptic_event event = {.size = sizeof event};
   haptic_state state = {.size = sizeof state};
-  uint32_t cleared = 0;
-  int told = 0;
   char names[64] = "none";
   CHECK(haptic_emergency_stop(connection, NULL, "a test in C", names, 3, &error) == HAPTIC_OK);
   CHECK(names[0] == 0); /* no room for a whole name */
   CHECK(haptic_emergency_stop(connection, NULL, "a test in C", names, sizeof names, &error) ==
         HAPTIC_OK);
   CHECK(strcmp(names, "finger") == 0);
-  for (int i = 0; i < 4000 && !(told && state.state == HAPTIC_FAULT); ++i) {
+  for (int told = 0; !told;) {
     CHECK(haptic_wait_for_state(session, 10000, &state, &error) == HAPTIC_OK);
     while (haptic_next_event(session, &event, &error) == HAPTIC_OK) {
       told = told || strcmp(event.reason, "EMERGENCY_STOP") == 0;
     }
   }
-  CHECK(told && state.state == HAPTIC_FAULT && (state.faults & stopped) != 0);
-  CHECK(event.reason[0] == 0); /* none waits: nothing is left of the last one */
-  CHECK(haptic_clear_fault(connection, "glove", 0, NULL, &error) == HAPTIC_ERROR_NO_SUCH_DEVICE);
-  CHECK(haptic_clear_fault(connection, "finger", stopped, &cleared, &error) == HAPTIC_OK);
-  CHECK(cleared == stopped);
+  CHECK(event.reason[0] == 0);
+  CHECK(haptic_clear_fault(connection, "finger", 0, NULL, &error) == HAPTIC_OK);
 }
 
 static void* wait_until_closed(void* session) {
@@ -413,9 +343,7 @@ int main(int argc, char** argv) {
   test_sizes_of_planes(session);
   test_longer_structs(connection, session);
   test_devices(connection, session);
-  test_refusals_of_the_server(connection, session);
   test_server(connection);
-  test_contacts();
   test_solve();
   test_wrong_contacts();
   test_child(connection, session, argv[1]);

@@ -36,10 +36,6 @@ struct World {
   }
 };
 
-TEST(ClockOffset, KnowsNothingBeforeTheFirstExchange) {
-  EXPECT_FALSE(ClockOffset().at(TimePoint(1s)));
-}
-
 TEST(ClockOffset, SymmetricExchangeGivesTheOffset) {
   World world;
   world.offset = -77s;
@@ -128,19 +124,6 @@ TEST(ClockOffset, OneWrongExchangeIsNoStep) {
   }
   EXPECT_EQ(clock.at(TimePoint(110s))->offset, 0ns);
   EXPECT_EQ(clock.steps(), 0U);
-}
-
-TEST(ClockOffset, NeverPlacesAReadingTooEarly) {
-  World world;
-  world.offset = -20s;
-  world.queue_ms = 10.0;
-  ClockOffset clock;
-  for (TimePoint t(100s); t < TimePoint(120s); t += 20ms) {
-    clock.add(world.exchange(t));
-    const TimePoint born = t + 60ms;
-    const auto estimate = clock.at(t + 80ms);
-    ASSERT_GE(TimePoint(world.theirs(born) - estimate->offset + estimate->bound), born);
-  }
 }
 
 }  // namespace

@@ -27,12 +27,6 @@ TEST(LinkStatistics, CountsLossAndReorderingByNumbers) {
   EXPECT_EQ(link.counters().bytes, 600U);
 }
 
-TEST(LinkStatistics, CountsThoseBeforeTheFirstLost) {
-  LinkStatistics link;
-  link.accepted(4, 1, {});
-  EXPECT_EQ(link.counters().lost, 3U);
-}
-
 TEST(LinkStatistics, NewNumbersKeepTheTotals) {
   LinkStatistics link;
   link.accepted(3, 1, {});

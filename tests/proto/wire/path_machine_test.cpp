@@ -17,7 +17,7 @@ PeerAddress address(std::uint16_t port) {
   return answer;
 }
 
-const PeerAddress kServer = address(5000), kElsewhere = address(6000), kThird = address(7000);
+const PeerAddress kServer = address(5000), kElsewhere = address(6000);
 
 /// A machine and the far end of its path: which answers after `rtt`, or not, as the test says.
 struct Rig {
@@ -213,13 +213,6 @@ TEST(PathMachine, PauseDoublesUpToItsLimit) {
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(pauses[i], expected[i]) << i;
 }
 
-TEST(PathMachine, StaysInUseWhileAnswersCome) {
-  Rig rig;
-  rig.machine.start(kServer, rig.now);
-  EXPECT_EQ(rig.run(30s), Changes{PathChange::kUp});
-  EXPECT_EQ(rig.sent.back().challenge.size, kShortChallenge);
-}
-
 TEST(PathMachine, SilenceOf100MsFallsBack) {
   Rig rig = rig_in_use(1s);
   rig.lost = always;
@@ -306,15 +299,6 @@ TEST(PathMachine, NewAddressMustAnswerARound) {
   EXPECT_EQ(rig.machine.address(), kElsewhere);
 }
 
-TEST(PathMachine, SilentCandidateChangesNothing) {
-  Rig rig = rig_in_use();
-  rig.lost = [](int, const DueChallenge& challenge) { return challenge.to == kElsewhere; };
-  rig.machine.heard(kElsewhere, rig.now);
-  EXPECT_EQ(rig.run(5s), Changes{});
-  EXPECT_EQ(rig.machine.address(), kServer);
-  EXPECT_TRUE(rig.machine.in_use());
-}
-
 TEST(PathMachine, ManyAddressesShareOneRound) {
   Rig rig = rig_in_use();
   rig.lost = [](int, const DueChallenge& challenge) { return !(challenge.to == kServer); };
@@ -330,13 +314,7 @@ TEST(PathMachine, ManyAddressesShareOneRound) {
   EXPECT_GT(to_others, 0U);
   EXPECT_LE(to_others, 4U * 5U);
   EXPECT_EQ(rig.machine.address(), kServer);
-}
-
-TEST(PathMachine, ServerBeginsWhenClientIsHeard) {
-  Rig rig;
-  rig.machine.heard(kThird, rig.now);
-  EXPECT_EQ(rig.run(100ms), Changes{PathChange::kUp});
-  EXPECT_EQ(rig.machine.address(), kThird);
+  EXPECT_TRUE(rig.machine.in_use());
 }
 
 TEST(PathMachine, CloseTurnsItOffForGood) {

@@ -6,12 +6,11 @@ import { countOf } from "./binding.js";
 import type { Binding } from "./binding.js";
 import type { Engine } from "./engine.js";
 import type { ToolOptions } from "./options.js";
-import { findPlace, positionOf, refuse, refuseStiff } from "./places.js";
+import { findPlace, positionOf, refuse, refuseStiff, turnOf } from "./places.js";
 import type { Place } from "./places.js";
 import { add, cross, dot } from "../vectors.js";
 import type { Vector3 } from "../vectors.js";
-import { intoFrame, MOST_CURVED, quaternionOf, triangle, vectorAt } from "./vectors.js";
-import type { Quaternion } from "./vectors.js";
+import { intoFrame, MOST_CURVED, triangle, vectorAt } from "./vectors.js";
 
 const SHORTEST = 1e-3;           // of a quaternion
 
@@ -83,14 +82,6 @@ export class BoundTool {
     });
   }
 
-  /** Position of a site or body, in the world. */
-  positionOf(place: Place): Vector3 {
-    return positionOf(this.engine, place);
-  }
-  quaternionOf({ site, id }: Place): Quaternion {
-    return quaternionOf(this.engine.view(site ? "site_xmat" : "xmat"), 9 * id);
-  }
-
   /** Writes the bound coordinates into x, angles and quaternions as near to what x holds as they
    * can be said. Needs mj_kinematics. */
   read(x: number[]): void {
@@ -102,9 +93,9 @@ export class BoundTool {
         x[first]! += place.apart(x[first]!, here);
         continue;
       }
-      this.positionOf(place).forEach((value, k) => { x[first + k] = value; });
+      positionOf(this.engine, place).forEach((value, k) => { x[first + k] = value; });
       if (kind === "point") continue;
-      const [w, ...v] = this.quaternionOf(place), q = [...v, w];
+      const [w, ...v] = turnOf(this.engine, place), q = [...v, w];
       const same = q.reduce((sum, part, k) => sum + part * x[first + 3 + k]!, 0);
       q.forEach((part, k) => { x[first + 3 + k] = same < 0 ? -part : part; });
     }
@@ -169,7 +160,7 @@ export class BoundTool {
     if (kind === "point") {
       return { firstCoordinate, position, jacobian: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], second: [] };
     }
-    const from = add(position, -1, this.positionOf(frame));
+    const from = add(position, -1, positionOf(this.engine, frame));
     const turn = this.engine.view(frame.site ? "site_xmat" : "xmat");
     const offset = intoFrame(turn, 9 * frame.id, from);
     return pointOnPose(x, offset, firstCoordinate);

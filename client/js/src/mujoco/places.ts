@@ -3,7 +3,8 @@ import type { Vector3 } from "../vectors.js";
 import { countOf } from "./binding.js";
 import type { Binding } from "./binding.js";
 import type { Engine } from "./engine.js";
-import { vectorAt } from "./vectors.js";
+import { quaternionOf, vectorAt } from "./vectors.js";
+import type { Quaternion } from "./vectors.js";
 
 const MOST_COORDINATES = 10000;  // far above those of any device
 
@@ -34,6 +35,10 @@ export function refuse(binding: Binding, why: string): never {
 /** Position of a site or body, in the world. */
 export const positionOf = (engine: Engine, { site, id }: Place): Vector3 =>
   vectorAt(engine.view(site ? "site_xpos" : "xpos"), 3 * id);
+
+/** Turn of a site or body, from its frame to the world. */
+export const turnOf = (engine: Engine, { site, id }: Place): Quaternion =>
+  quaternionOf(engine.view(site ? "site_xmat" : "xmat"), 9 * id);
 
 /** Inverse masses of the lightest direction of a site or body, 1/kg, and about its lightest axis,
  * 1/(kg m^2): no less than the largest eigenvalues of J M^-1 J^T. */

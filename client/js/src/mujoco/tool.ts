@@ -11,6 +11,7 @@ import { Margins } from "./margins.js";
 import { NearContacts } from "./near_contacts.js";
 import { JUMPS } from "./options.js";
 import type { Jumps, ToolOptions } from "./options.js";
+import { positionOf, turnOf } from "./places.js";
 import type { Place } from "./places.js";
 import { conjugate, normalised, product, rateOf } from "./vectors.js";
 import type { Quaternion } from "./vectors.js";
@@ -236,7 +237,7 @@ export class Tool {
   #pullFrame(place: Place, push: Float64Array): void {
     const { kind, firstCoordinate: first } = place.binding;
     const { opt, model: { nv } } = this.#engine;
-    const position = this.#tool.positionOf(place), aim = this.#aim;
+    const position = positionOf(this.#engine, place), aim = this.#aim;
     const { linear, angular } = this.#engine.jacobian(place.body, position);
     const speed = (jacobian: Float64Array, k: number) => {
       let sum = 0;
@@ -252,7 +253,7 @@ export class Tool {
         2 * Math.sqrt(stiffness * place.mass) * (aim.rate(first + k) - speed(linear, k)));
     }
     if (kind === "point") return;
-    const here = this.#tool.quaternionOf(place), i = first + 3;
+    const here = turnOf(this.#engine, place), i = first + 3;
     const of = (f: (i: number) => number): Quaternion =>
       normalised([f(i + 3), f(i), f(i + 1), f(i + 2)]);  // MuJoCo has w first
     const there = of((part) => aim.at(part));

@@ -97,15 +97,10 @@ export class Chart {
     });
   }
 
-  /** Made again with the next draw: in other colours. */
-  recolour(): void {
+  /** Takes the plot away. The next draw makes another, in the colours that the page has then. */
+  erase(): void {
     this.plot?.destroy();
     this.plot = null;
-  }
-
-  dispose(): void {
-    this.plot?.destroy();
-    this.element.remove();
   }
 
   private legend(): HTMLElement {
@@ -119,7 +114,7 @@ export class Chart {
   }
 
   private build(): void {
-    this.plot?.destroy();
+    this.erase();
     const width = this.frame.clientWidth;
     this.plot = width > 0 ? new uPlot(this.options(width), [[]], this.frame) : null;
   }

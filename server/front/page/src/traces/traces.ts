@@ -31,7 +31,7 @@ export class Traces {
       });
     }
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-      for (const chart of this.all()) chart.recolour();
+      for (const chart of this.all()) chart.erase();
       this.drawn = 0;
     });
     const frame = (now: number): void => {
@@ -44,7 +44,7 @@ export class Traces {
   }
 
   show(device: Device): void {
-    for (const { chart } of this.charts) chart.dispose();
+    for (const { chart } of this.charts) chart.erase();
     this.charts = plans(device).map((plan) => ({ plan, chart: new Chart(plan) }));
     this.holder.replaceChildren(...this.all().map((chart) => chart.element));
     this.newest = 0;
@@ -53,12 +53,9 @@ export class Traces {
 
   state(state: DeviceState): void {
     const time = Number(state.serverTimeNs) * 1e-9;
-    for (const { chart, plan } of this.charts) {
-      // A server that started again counts from elsewhere.
-      if (time < this.newest - 1) chart.history.clear();
-      chart.history.push(time, plan.sample(state));
-    }
-    if (time < this.newest - 1) this.late.history.clear();
+    // A server that started again counts from elsewhere.
+    if (time < this.newest - 1) for (const chart of this.all()) chart.history.clear();
+    for (const { chart, plan } of this.charts) chart.history.push(time, plan.sample(state));
     this.newest = time;
   }
 

@@ -79,10 +79,6 @@ ELSEWHERE = {
         "haptic_test_program(network network",
     ),  # minutes
     "tests/relay/matrix.sh --network --calm": ("tests/CMakeLists.txt", "LABELS calm"),  # minutes
-    "PYTHONPATH=build/release/client/python python3 client/python/examples/ages.py": (
-        "tests/client/python/session_test.py",
-        '"ages.py"',
-    ),
     'export PKG_CONFIG_PATH="$HOME/.local/lib/pkgconfig"': (
         "tests/package/install_test.sh",
         "export PKG_CONFIG_PATH=",

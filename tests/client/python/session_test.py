@@ -330,32 +330,17 @@ class Addresses(unittest.TestCase):
 
 
 class Examples(unittest.TestCase):
-    def run_example(self, name: str, scene: str, seconds: float, *, udp: bool = False) -> str:
-        server = Hapticd(scene, udp=udp)
-        self.addCleanup(server.stop)
-        return subprocess.run(
-            [sys.executable, os.path.join(EXAMPLES, name), "--server", server.address,
-             "--seconds", str(seconds)],
-            check=True, capture_output=True, text=True, timeout=60).stdout
-
     def test_the_wall_holds(self) -> None:
-        lines = self.run_example("wall.py", "finger_constant", 4).splitlines()
+        server = Hapticd("finger_constant")
+        self.addCleanup(server.stop)
+        said = subprocess.run(
+            [sys.executable, os.path.join(EXAMPLES, "wall.py"), "--server", server.address,
+             "--seconds", "4"], check=True, capture_output=True, text=True, timeout=60).stdout
+        lines = said.splitlines()
         self.assertIn("ENGAGED", lines[-1])
         force = float(lines[-1].split(",")[2].removesuffix("N"))
         # The hand wants 0.52 rad, the wall stands at 0.3: the actuator pushes back.
         self.assertLess(force, -1.0)
-
-    def test_ages_are_the_servers(self) -> None:
-        published, ages = self.run_example("ages.py", "finger_constant", 3, udp=True).splitlines()
-        sent, accepted = (int(published.split(word)[1].split(" ")[0].rstrip(","))
-                          for word in ("published ", "accepted "))
-        self.assertLessEqual(sent, 3001)  # 3 s at 1 kHz, and never faster
-        self.assertLessEqual(accepted, sent)
-        self.assertGreater(accepted, 100)  # a busy machine is slow, and says so
-        self.assertGreater(float(published.split("by UDP ")[1].removesuffix("%")), 50.0)
-        p50, p99 = (float(ages.split(p)[1].split(" ms")[0]) for p in ("p50 ", "p99 "))
-        self.assertLess(0.0, p50)
-        self.assertLessEqual(p50, p99)
 
     def test_the_grasp_is_felt_after_a_pause_too(self) -> None:
         server = Hapticd("finger_soft_grasp", patient=False)

@@ -24,7 +24,9 @@ def main() -> None:
         sys.exit(f"usage: generate {'|'.join(KINDS)} DESCRIPTORS OUTPUT")
     kind, descriptors, output = sys.argv[1:]
     schema = Schema(pathlib.Path(descriptors).read_bytes())
-    pathlib.Path(output).write_text("\n".join(KINDS[kind](schema)) + "\n", encoding="utf-8")
+    text, file = "\n".join(KINDS[kind](schema)) + "\n", pathlib.Path(output)
+    if not file.exists() or file.read_text(encoding="utf-8") != text:  # spares compilers work
+        file.write_text(text, encoding="utf-8")
 
 
 main()

@@ -8,21 +8,12 @@ from google.protobuf import descriptor_pool, message_factory
 
 MADE = "Made of proto/haptic/v1/session.proto by proto/generate: nothing to edit here."
 _FILE_MESSAGE, _FILE_ENUM, _MESSAGE_FIELD = 4, 5, 2  # field numbers of descriptor.proto
-_KINDS = {
-    pb.FieldDescriptorProto.TYPE_DOUBLE: "double",
-    pb.FieldDescriptorProto.TYPE_UINT32: "uint32",
-    pb.FieldDescriptorProto.TYPE_UINT64: "uint64",
-    pb.FieldDescriptorProto.TYPE_INT64: "int64",
-    pb.FieldDescriptorProto.TYPE_STRING: "string",
-    pb.FieldDescriptorProto.TYPE_ENUM: "enum",
-    pb.FieldDescriptorProto.TYPE_MESSAGE: "message",
-}
 AXES = {"": "", "DOF": "per DoF", "ACTUATED": "per actuated DoF", "COORDINATE": "per coordinate"}
 
 
 @dataclasses.dataclass(frozen=True)
 class Field:
-    """kind: double, uint32, uint64, int64, string, enum or message; type: name of the last two.
+    """kind: double, uint32, enum, message, ...; type: name of the enum or message.
 
     axis: "", DOF, ACTUATED or COORDINATE. optional: its absence can be told from 0. The rest are
     options of field_options.proto.
@@ -137,8 +128,7 @@ class Schema:
             path = (_FILE_MESSAGE, index)
             fields = [self._field(message.name, field, comments.get((*path, _MESSAGE_FIELD, i), ""))
                       for i, field in enumerate(message.field)]
-            self.messages[message.name] = Message(
-                message.name, comments.get(path, ""), [field for field in fields if field.kind])
+            self.messages[message.name] = Message(message.name, comments.get(path, ""), fields)
             for enum in message.enum_type:
                 self._enum(enum, "")
         for index, enum in enumerate(file.enum_type):
@@ -154,7 +144,8 @@ class Schema:
         said = self._options(field, "FieldOptions")
         axes = self._pool.FindEnumTypeByName("haptic.v1.Axis").values_by_number
         axis = axes[said("axis")].name.removeprefix("AXIS_")
-        return Field(message, field.name, field.number, _KINDS.get(field.type, ""),
+        kind = pb.FieldDescriptorProto.Type.Name(field.type).removeprefix("TYPE_").lower()
+        return Field(message, field.name, field.number, kind,
                      field.type_name.split(".")[-1], field.label == field.LABEL_REPEATED,
                      field.proto3_optional, "" if axis == "UNSPECIFIED" else axis, said("unit"),
                      said("bits"), said("from"), said("called") or field.name, comment,

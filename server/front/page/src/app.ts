@@ -7,9 +7,9 @@ import { Access } from "./panels/access";
 import { Actions } from "./panels/actions";
 import { Chooser } from "./panels/chooser";
 import { Events } from "./panels/events";
-import { Joints } from "./panels/joints";
-import { Server } from "./panels/server";
-import { Sessions } from "./panels/sessions";
+import { showJoints } from "./panels/joints";
+import { showServer } from "./panels/server";
+import { showSessions } from "./panels/sessions";
 import { Stage } from "./panels/stage";
 import { StateCard } from "./panels/state_card";
 import { Stop } from "./panels/stop";
@@ -38,11 +38,8 @@ export class App {
   private readonly card = new StateCard();
   private readonly stop = new Stop(this.current);
   private readonly actions = new Actions(this.current);
-  private readonly joints = new Joints();
   private readonly traces = new Traces();
-  private readonly sessions = new Sessions();
   private readonly events = new Events();
-  private readonly server = new Server();
 
   /** `open`: connects with a token, or, without one, with what the browser has. */
   constructor(private readonly open: (token?: string) => Source) {
@@ -79,8 +76,8 @@ export class App {
       if (device) this.device = device; // who controls it may have changed
       const [info, links] = await Promise.all([source.serverInfo(), source.links()]);
       if (this.device) {
-        this.server.show(info, this.device);
-        this.sessions.show(links, this.device.name);
+        showServer(info, this.device);
+        showSessions(links, this.device.name);
       }
       this.traces.server(info);
       this.trouble("");
@@ -102,7 +99,6 @@ export class App {
     if (!same) this.events.show();
     this.stage.show(device);
     this.card.show();
-    this.joints.show(device);
     this.actions.show(device);
     if (same) this.traces.cut();
     else this.traces.show(device);
@@ -138,7 +134,7 @@ export class App {
     if (!changed && now - this.wordsAt < WORDS_MS) return;
     this.wordsAt = now;
     this.card.state(device, state);
-    this.joints.state(device, state);
+    showJoints(device, state);
     this.actions.state(device, state);
   }
 

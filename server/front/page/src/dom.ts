@@ -40,8 +40,9 @@ export function facts(list: readonly [string, string][]): Child[] {
   return list.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]);
 }
 
-/** Replaces the children only if `key` differs from the last time. */
-export function fill(element: HTMLElement, key: string, make: () => Child[]): void {
+/** Makes the children again only if `told`, which they tell, differs from the last time. */
+export function fill(element: HTMLElement, told: unknown, make: () => Child[]): void {
+  const key = JSON.stringify(told);
   if (element.dataset.key === key) return;
   element.dataset.key = key;
   element.replaceChildren(...make());

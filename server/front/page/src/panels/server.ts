@@ -17,27 +17,25 @@ function deviceWords(device: Device): string {
   return parts.join("; ");
 }
 
-export class Server {
-  show(info: GetServerInfoResponse, device: Device): void {
-    say(at("scene"), `· ${info.scene}`);
-    const { loop, realtime } = info;
-    const us = (value: number) => `${number(value, 0)} µs`;
-    const grant = [realtime?.grade, realtime?.explanation].filter(Boolean).join(": ");
-    const list: [string, string][] = [
-      ["Version", info.version],
-      ["Device", deviceWords(device)],
-      ["Runs for", howLong(Number(info.uptime?.seconds ?? 0n))],
-      ["Real time", grant || "–"],
-    ];
-    if (loop) {
-      list.push(
-        ["Loop wakes late", `99 %: ${us(loop.latenessP99Us)}, worst ${us(loop.latenessMaxUs)}`],
-        ["Loop computes", `99 %: ${us(loop.tickP99Us)} of each tick`],
-        ["Ticks skipped", String(loop.skipped)],
-      );
-    }
-    list.push(["Sessions", `${info.sessions} of ${info.maxSessions}`]);
-    list.push(["Not protected", info.insecure.join(" ") || "nothing"]);
-    fill(at("server"), JSON.stringify(list), () => facts(list));
+export function showServer(info: GetServerInfoResponse, device: Device): void {
+  say(at("scene"), `· ${info.scene}`);
+  const { loop, realtime } = info;
+  const us = (value: number) => `${number(value, 0)} µs`;
+  const grant = [realtime?.grade, realtime?.explanation].filter(Boolean).join(": ");
+  const list: [string, string][] = [
+    ["Version", info.version],
+    ["Device", deviceWords(device)],
+    ["Runs for", howLong(Number(info.uptime?.seconds ?? 0n))],
+    ["Real time", grant || "–"],
+  ];
+  if (loop) {
+    list.push(
+      ["Loop wakes late", `99 %: ${us(loop.latenessP99Us)}, worst ${us(loop.latenessMaxUs)}`],
+      ["Loop computes", `99 %: ${us(loop.tickP99Us)} of each tick`],
+      ["Ticks skipped", String(loop.skipped)],
+    );
   }
+  list.push(["Sessions", `${info.sessions} of ${info.maxSessions}`]);
+  list.push(["Not protected", info.insecure.join(" ") || "nothing"]);
+  fill(at("server"), list, () => facts(list));
 }

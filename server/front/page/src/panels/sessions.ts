@@ -52,20 +52,18 @@ function figures(session: SessionLink): [string, string][] {
   return list;
 }
 
-export class Sessions {
-  show(links: readonly SessionLink[], device: string): void {
-    const own = links.filter((link) => link.device === device);
-    const items = own.map((link) => ({
-      name: link.clientName,
-      does: link.role === Role.CONTROLLER && !link.holdsLease ? "lost the device"
-        : ROLES[link.role] ?? "",
-      lease: link.holdsLease,
-      figures: figures(link),
-    }));
-    const item = ({ name, does, lease, figures }: (typeof items)[number]) =>
-      h("li", lease ? { class: "lease" } : {}, h("strong", {}, name), ` ${does}`,
-        h("dl", { class: "facts" }, ...facts(figures)));
-    fill(at("sessions"), JSON.stringify(items), () =>
-      items.length === 0 ? [h("li", {}, "No session is open.")] : items.map(item));
-  }
+export function showSessions(links: readonly SessionLink[], device: string): void {
+  const own = links.filter((link) => link.device === device);
+  const items = own.map((link) => ({
+    name: link.clientName,
+    does: link.role === Role.CONTROLLER && !link.holdsLease ? "lost the device"
+      : ROLES[link.role] ?? "",
+    lease: link.holdsLease,
+    figures: figures(link),
+  }));
+  const item = ({ name, does, lease, figures }: (typeof items)[number]) =>
+    h("li", lease ? { class: "lease" } : {}, h("strong", {}, name), ` ${does}`,
+      h("dl", { class: "facts" }, ...facts(figures)));
+  fill(at("sessions"), items, () =>
+    items.length === 0 ? [h("li", {}, "No session is open.")] : items.map(item));
 }

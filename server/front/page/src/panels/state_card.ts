@@ -42,7 +42,7 @@ export class StateCard {
   }
 
   private faults(bits: number): void {
-    fill(at("faults"), String(bits), () =>
+    fill(at("faults"), bits, () =>
       bitWords("faults", bits).map(({ name, title, help }) =>
         h(
           "div",
@@ -61,7 +61,7 @@ export class StateCard {
     for (const [bit, time] of this.lastActed) if (now - time < SHOWN_MS) shown |= 1 << bit;
     const item = ({ name, title, help }: Words) =>
       h("li", { title: help }, `${title} `, h("code", {}, name));
-    fill(at("limiters"), String(shown), () => {
+    fill(at("limiters"), shown, () => {
       const words = bitWords("limiters", shown);
       return words.length === 0 ? ["None."] : [h("ul", {}, ...words.map(item))];
     });

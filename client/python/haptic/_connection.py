@@ -13,7 +13,7 @@ from ._types import Carriers, Device, Event, Priority, ServerInfo, Tls
 _MOST_NAMES = 65536  # bytes
 
 
-class Connection:
+class Connection(Handle):
     """A connection to "host:port" or "unix:/path". Does not wait for the server. A call that needs
     an answer raises ClientError if none comes within 5 s. Every method may be called from any
     thread. Sessions outlive their connection."""
@@ -30,34 +30,24 @@ class Connection:
                     kept.append(ffi.new("char[]", str(getattr(tls, name)).encode()))
                     setattr(options, name, kept[-1])
         call(lib.haptic_connect, options, made)
-        self._handle = Handle(made[0], lib.haptic_disconnect)
-
-    def __enter__(self) -> Connection:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._handle.leave()
-
-    def close(self) -> None:
-        """Idempotent."""
-        self._handle.close()
+        super().__init__(made[0], lib.haptic_disconnect)
 
     def server_info(self) -> ServerInfo:
         info = new("haptic_server_info")
-        ask(lib.haptic_server, self._handle.c, info)
+        ask(lib.haptic_server, self._c, info)
         return ServerInfo.of(info)
 
     def healthy(self, device: str = "") -> bool:
         """Whether the device, or every one, is open and the 1 kHz loop is on time."""
         answer = ffi.new("int32_t *")
-        ask(lib.haptic_health, self._handle.c, device.encode(), answer)
+        ask(lib.haptic_health, self._c, device.encode(), answer)
         return bool(answer[0] == 1)
 
     def devices(self) -> list[Device]:
         found, count = ffi.new("haptic_device[]", 1), ffi.new("size_t *", 1)
         while True:
             found[0].size = ffi.sizeof("haptic_device")
-            ask(lib.haptic_devices, self._handle.c, found, len(found), count)
+            ask(lib.haptic_devices, self._c, found, len(found), count)
             if count[0] <= len(found):
                 return [Device.of(found[i]) for i in range(count[0])]
             found = ffi.new("haptic_device[]", count[0])
@@ -93,9 +83,9 @@ class Connection:
         options.blocks, options.block_count = pairs, len(pairs)
         options.fresh_end_ns, options.hold_end_ns, options.fade_end_ns = (
             round(end * 1e9) for end in (fresh_end_s, hold_end_s, fade_end_s))
-        ask(lib.haptic_open, self._handle.c, options, made,
+        ask(lib.haptic_open, self._c, options, made,
             undo=lambda: lib.haptic_close(made[0]))
-        return Session(Handle(made[0], lib.haptic_close))
+        return Session(made[0])
 
     def watch(self, device: str = "", rate_hz: float = 30.0) -> Iterator[DeviceState | Event]:
         """States and events of a device, the newest of each, until the server ends or the iterator
@@ -114,7 +104,7 @@ class Connection:
         """Stops `device`, or all devices if it is empty; needs no session. Returns the devices that
         are in FAULT now."""
         names = ffi.new("char[]", _MOST_NAMES)
-        ask(lib.haptic_emergency_stop, self._handle.c, device.encode(), reason.encode(), names,
+        ask(lib.haptic_emergency_stop, self._c, device.encode(), reason.encode(), names,
             _MOST_NAMES)
         return text(names).splitlines()
 
@@ -122,6 +112,6 @@ class Connection:
         """Clears faults by number; none: all that are active. Returns what was cleared. Raises
         FAULT_PERSISTS if a cause persists."""
         cleared = ffi.new("uint32_t *")
-        ask(lib.haptic_clear_fault, self._handle.c, device.encode(),
+        ask(lib.haptic_clear_fault, self._c, device.encode(),
             sum(1 << int(fault) for fault in faults), cleared)
         return [bit for bit in range(32) if cleared[0] >> bit & 1 == 1]

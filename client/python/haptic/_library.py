@@ -8,7 +8,7 @@ import pathlib
 import threading
 import weakref
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, Self
 
 from ._version import __version__
 
@@ -174,24 +174,27 @@ _open: weakref.WeakSet[Handle] = weakref.WeakSet()
 
 
 class Handle:
-    """A handle of the library, closed when nothing refers to it any more."""
+    """A handle of the library, closed when nothing refers to it any more. After a fork only the
+    parent has it: in the child every call raises CLOSED."""
 
     def __init__(self, c: Any, close: Callable[[Any], int]) -> None:
-        self.c = ffi.gc(c, close)
+        self._c = ffi.gc(c, close)
         self._close, self._process = close, os.getpid()
         _open.add(self)
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if os.getpid() == self._process:
+            self._close(self._c)
+
     def close(self) -> None:
-        """Idempotent. Raises in a forked child, which cannot end what its parent has."""
+        """Ends it: a session's force fades out, and its lease ends. Idempotent."""
         if os.getpid() != self._process:
             raise ClientError("CLOSED", f"this process was forked from process {self._process}, "
                               "which has the connections: it goes on with them")
-        self._close(self.c)
-
-    def leave(self) -> None:
-        """The same at the end of `with`, where a forked child leaves all to its parent."""
-        if os.getpid() == self._process:
-            self._close(self.c)
+        self._close(self._c)
 
 
 @atexit.register
@@ -200,4 +203,4 @@ def _end() -> None:
     global ending
     ending = True
     for handle in list(_open):
-        handle.leave()
+        handle.__exit__()

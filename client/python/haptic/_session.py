@@ -16,29 +16,19 @@ _MODES = {name: mode for mode, name in PROXY_MODE.items()}
 _RENDERERS = {name: number for number, name in RENDERER.items()}
 
 
-class Session:
+class Session(Handle):
     """Connection.session() makes one; `with` or close() ends it. Every method may be called from
-    any thread. After a fork only the parent may: in the child every call raises CLOSED.
+    any thread.
 
     publish() never waits: the newest sample wins. Of the states only the newest is kept. Without
     re_engage force never comes back by itself: after an event LOST call engage_when_ready()
     again."""
 
-    def __init__(self, handle: Handle) -> None:
-        self._handle = handle
+    def __init__(self, c: Any) -> None:
+        super().__init__(c, lib.haptic_close)
         device = new("haptic_device")
-        call(lib.haptic_device_of, handle.c, device)
+        call(lib.haptic_device_of, self._c, device)
         self._device = Device.of(device)
-
-    def __enter__(self) -> Session:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._handle.leave()
-
-    def close(self) -> None:
-        """Ends the session: force fades out and the lease ends. Idempotent."""
-        self._handle.close()
 
     # The way up.
 
@@ -57,7 +47,7 @@ class Session:
             planes[i].size = ffi.sizeof("haptic_plane")
             plane.fill(planes[i])
         sample.planes, sample.plane_count = planes, len(planes)
-        call(lib.haptic_publish, self._handle.c, sample)
+        call(lib.haptic_publish, self._c, sample)
 
     def publish_pose(self, pose: Pose) -> None:
         """Sends the pose of a tracker. Raises if the session has ended, or is no tracker's.
@@ -66,28 +56,28 @@ class Session:
         sample.position = floats(pose.position)
         sample.orientation = floats(pose.orientation)
         sample.valid_for_us = round(pose.valid_for_s * 1e6)
-        call(lib.haptic_publish_pose, self._handle.c, sample)
+        call(lib.haptic_publish_pose, self._c, sample)
 
     # Force.
 
     def engage(self) -> None:
         """Asks for force once. Raises ClientError and says what is missing."""
-        ask(lib.haptic_engage, self._handle.c)
+        ask(lib.haptic_engage, self._c)
 
     def engage_when_ready(self) -> None:
         """Asks for force in the background, every 50 ms, until the server agrees, a fault, a
         refusal that waiting does not change, release() or the session's end."""
-        call(lib.haptic_engage_when_ready, self._handle.c)
+        call(lib.haptic_engage_when_ready, self._c)
 
     @property
     def engage_refusal(self) -> ClientError | None:
         """Why engage_when_ready() has no force yet, or why it gave up; None after the server
         agreed."""
-        return refusal(lib.haptic_engage_refusal, self._handle.c)
+        return refusal(lib.haptic_engage_refusal, self._c)
 
     def release(self) -> None:
         """Gives force up; it fades out. Ends engage_when_ready()."""
-        ask(lib.haptic_release, self._handle.c)
+        ask(lib.haptic_release, self._c)
 
     def update_settings(self, *, stiffness: Iterable[float] = (), damping: Iterable[float] = (),
                         force_limit: Iterable[float] = (), slew_limit: Iterable[float] = (),
@@ -104,7 +94,7 @@ class Session:
         wanted.renderer = _RENDERERS[renderer]
         if direction_guard is not None:
             wanted.direction_guard = 1 if direction_guard else 2
-        ask(lib.haptic_update, self._handle.c, wanted, applied)
+        ask(lib.haptic_update, self._c, wanted, applied)
         return Settings.of(applied)
 
     # The way down.
@@ -118,7 +108,7 @@ class Session:
     def state(self) -> DeviceState | None:
         """The newest state; None before the first."""
         state = new("haptic_state")
-        call(lib.haptic_newest_state, self._handle.c, state)
+        call(lib.haptic_newest_state, self._c, state)
         return DeviceState.of(state) if state.seq > 0 else None
 
     def wait_for_state(self, timeout: float = 5.0) -> DeviceState:
@@ -129,7 +119,7 @@ class Session:
             left = end - time.monotonic()
             wait_ms = max(0, round(min(left, _SLICE_S) * 1e3))
             try:
-                call(lib.haptic_wait_for_state, self._handle.c, wait_ms, state)
+                call(lib.haptic_wait_for_state, self._c, wait_ms, state)
                 return DeviceState.of(state)
             except ClientError as error:
                 if error.reason != "TIMEOUT":
@@ -140,7 +130,7 @@ class Session:
     def events(self) -> list[Event]:
         """The events since the last call, at most the newest 256."""
         events, event = [], new("haptic_event")
-        while call(lib.haptic_next_event, self._handle.c, event) == lib.HAPTIC_OK:
+        while call(lib.haptic_next_event, self._c, event) == lib.HAPTIC_OK:
             events.append(Event.of(event))
         return events
 
@@ -165,5 +155,5 @@ class Session:
 
     def _statistics(self) -> Any:
         counted = new("haptic_statistics")
-        call(lib.haptic_statistics_of, self._handle.c, counted)
+        call(lib.haptic_statistics_of, self._c, counted)
         return counted

@@ -86,13 +86,6 @@ TEST_F(ClientForce, ReleaseFollowsAnEngageUnderWay) {
   EXPECT_EQ(server.heard().releases, 1U);
 }
 
-TEST_F(ClientForce, ReEngageAsksAgainAfterLoss) {
-  open_and_engage(with(kNever, true));
-  server.send_event(v1::Event::KIND_LOST, "LOST");
-  server.send_state(2, v1::DEVICE_STATE_NAME_ARMED);
-  EXPECT_TRUE(asked(2));
-}
-
 TEST_F(ClientForce, LossEndsTheAsking) {
   server.hold_engage(true);
   open({});
@@ -152,33 +145,6 @@ TEST_F(ClientForce, ReopenedSessionCountsOn) {
   ack.mutable_ack()->set_accepted(2);  // the server counts per stream, the session all of them
   server.send(ack);
   EXPECT_TRUE(server.until([&] { return session->statistics().accepted == 7; }));
-}
-
-TEST_F(ClientForce, AHopelessRefusalEndsTheTrying) {
-  client::SessionOptions wanted = with(kWithBackoff);
-  wanted.on_disconnect = [&](const ClientError& error, bool will_retry) {
-    will_retry ? ++losses : ++ends;
-    EXPECT_TRUE(will_retry || error.reason() == ErrorReason::kNoSuchDevice);
-  };
-  open(wanted);
-  server.refuse_opening(refusal(grpc::StatusCode::NOT_FOUND, "NO_SUCH_DEVICE", "another scene"));
-  server.end_session({grpc::StatusCode::UNAVAILABLE, "restarts"});
-  ASSERT_TRUE(server.until([&] { return ends == 1; }));
-  EXPECT_EQ(losses, 1);
-  EXPECT_EQ(server.heard().openings.size(), 2U);
-  EXPECT_EQ(error_of([&] { return session->wait_for_state(); }).reason(), ErrorReason::kClosed);
-}
-
-TEST_F(ClientForce, NextSampleReopensAfterTheLease) {
-  open(with(kWithBackoff));
-  server.send_event(v1::Event::KIND_LEASE_EXPIRED, "LEASE_EXPIRED");
-  ASSERT_TRUE(server.until([&] { return events == 1; }));
-  EXPECT_FALSE(server.until([&] { return server.heard().openings.size() > 1; }, milliseconds(300)))
-      << "a silent client took the device back";
-  session->publish(client::Proxy::free());
-  ASSERT_TRUE(opened_again());
-  session->publish(client::Proxy::free());
-  EXPECT_TRUE(server.until([&] { return !server.heard().samples.empty(); }));
 }
 
 TEST_F(ClientForce, EarlierLeaseIsNotOnesOwn) {

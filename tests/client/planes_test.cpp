@@ -150,17 +150,6 @@ TEST(DerivePlanes, WrongSizesGiveNone) {
   EXPECT_TRUE(derive_planes(linear(2), {1, 2}, {3, 4}, {Block{5, 1}}).empty());
 }
 
-TEST_F(Publish, CarriesPlanes) {
-  const auto session = open();
-  session->publish(client::Proxy::behind({{{1.0, 0.5}, 0.25}, {{0.0, 1.0}, -2.0}}, {0.1, 0.2}));
-  const v1::ProxySample sample = first_sample();
-  EXPECT_EQ(sample.mode(), v1::PROXY_MODE_PLANES);
-  ASSERT_EQ(sample.planes_size(), 2);
-  EXPECT_EQ(sample.planes(0).normal(1), 0.5);
-  EXPECT_EQ(sample.planes(1).offset(), -2.0);
-  EXPECT_EQ(sample.position(1), 0.2);
-}
-
 TEST(Contact, IsItsGapAroundX) {
   // gap(x') = 0.25 + 3 (x' - 1) - 4 (y' - 2)
   const Plane plane = client::contact({1.0, 2.0}, 0.25, {3.0, -4.0});
@@ -168,13 +157,14 @@ TEST(Contact, IsItsGapAroundX) {
   EXPECT_EQ(plane.offset - (-3.0 * 1.5 + 4.0 * 2.25), 0.25 + 3.0 * 0.5 - 4.0 * 0.25);
 }
 
+/// The test fails for a field of the protocol that it does not set.
 TEST_F(Publish, CarriesContacts) {
   const auto session = open();
   Plane plane = client::contact({0.1, 0.2}, 0.01, {1.0, 0.0});
   plane.compliance = 3.0;
   plane.uncertainty = 0.0;
   plane.velocity = -0.5;
-  plane.curvature = {1.0, 2.0, 3.0};
+  plane.curvature = {2.0};
   plane.id = 7;
   plane.mass = 1e-4;
   plane.damping = 1e-3;
@@ -182,21 +172,21 @@ TEST_F(Publish, CarriesContacts) {
   plane.load = -0.5;
   plane.object = 3;
   plane.object_direction = {0.6, 0.8};
-  session->publish(client::Proxy::behind({plane}, {0.1, 0.2}));
-  const v1::Plane sent = first_sample().planes(0);
-  EXPECT_EQ(sent.compliance(), 3.0);
-  EXPECT_TRUE(sent.has_uncertainty());
+  plane.first_coordinate = 1;
+  session->publish(client::Proxy::behind({{{1.0, 0.5}, 0.25}, plane}, {0.1, 0.2}));
+  const v1::ProxySample sample = first_sample();
+  EXPECT_EQ(sample.mode(), v1::PROXY_MODE_PLANES);
+  EXPECT_EQ(sample.position(1), 0.2);
+  ASSERT_EQ(sample.planes_size(), 2);
+  EXPECT_EQ(sample.planes(0).normal(1), 0.5);
+  const v1::Plane& sent = sample.planes(1);
+  std::vector<const google::protobuf::FieldDescriptor*> set;
+  sent.GetReflection()->ListFields(sent, &set);
+  EXPECT_EQ(set.size(), static_cast<std::size_t>(v1::Plane::descriptor()->field_count()));
   EXPECT_EQ(sent.velocity(), -0.5);
-  EXPECT_EQ(sent.curvature_size(), 3);
-  EXPECT_EQ(sent.curvature(1), 2.0);
-  EXPECT_EQ(sent.first_coordinate(), 0u);
+  EXPECT_EQ(sent.curvature(0), 2.0);
   EXPECT_EQ(sent.id(), 7u);
-  EXPECT_EQ(sent.mass(), 1e-4);
-  EXPECT_EQ(sent.damping(), 1e-3);
-  EXPECT_EQ(sent.ground_stiffness(), 0.2);
   EXPECT_EQ(sent.load(), -0.5);
-  EXPECT_EQ(sent.object(), 3u);
-  EXPECT_EQ(sent.object_direction_size(), 2);
   EXPECT_EQ(sent.object_direction(1), 0.8);
 }
 

@@ -8,7 +8,19 @@
 namespace haptic::test {
 namespace {
 
-using Resume = WithServer;
+class Resume : public WithServer {
+ protected:
+  /// Returns once the client has state 100.
+  void tell_state(const client::Session& session, v1::DeviceStateName state) {
+    server.send_state(100, state);
+    ASSERT_TRUE(server.until([&] { return session.state().seq == 100; }));
+  }
+  /// Returns once the client has opened again.
+  void lose_the_stream() {
+    server.end_session({grpc::StatusCode::UNAVAILABLE, "the cable"});
+    ASSERT_TRUE(server.until([&] { return server.heard().openings.size() == 2; }));
+  }
+};
 using client::ClientError;
 using client::Connection;
 using client::ErrorReason;
@@ -29,13 +41,11 @@ TEST_F(Resume, ALostStreamIsResumed) {
   const auto session = open(options);
   EXPECT_TRUE(server.heard().openings.front().resumable());
   EXPECT_EQ(server.heard().openings.front().resume(), "");
-  server.send_state(100, v1::DEVICE_STATE_NAME_ENGAGED);
-  ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
+  tell_state(*session, v1::DEVICE_STATE_NAME_ENGAGED);
   session->publish(client::Proxy::held({0.1, 0.2}));
   ASSERT_TRUE(streamed(1));
 
-  server.end_session({grpc::StatusCode::UNAVAILABLE, "the cable"});
-  ASSERT_TRUE(server.until([&] { return server.heard().openings.size() == 2; }));
+  lose_the_stream();
   EXPECT_EQ(server.heard().openings.back().resume(), "session-1");
   ASSERT_TRUE(server.until([&] { return session->connected(); }));
   EXPECT_EQ(session->state().seq, 100U) << "the device's ticks go on";
@@ -54,21 +64,10 @@ TEST_F(Resume, AsksForTheEventsItMissed) {
   const auto session = open(reconnecting());
   server.send_event(v1::Event::KIND_STATE, "INIT -> IDLE", 1, 700);
   server.send_event(v1::Event::KIND_TRANSPORT, "SAMPLES GRPC -> UDP", 1, 900);
-  server.send_state(100);
-  ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
-  server.end_session({grpc::StatusCode::UNAVAILABLE, "the cable"});
-  ASSERT_TRUE(server.until([&] { return server.heard().openings.size() == 2; }));
+  tell_state(*session, v1::DEVICE_STATE_NAME_ARMED);
+  lose_the_stream();
   EXPECT_EQ(server.heard().openings.front().events_after_ns(), 0);
   EXPECT_EQ(server.heard().openings.back().events_after_ns(), 700);
-}
-
-TEST_F(Resume, UnresumableSessionStartsAfresh) {
-  const auto session = open(reconnecting());
-  server.send_state(100);
-  ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
-  server.end_session({grpc::StatusCode::UNAVAILABLE, "gone"});
-  ASSERT_TRUE(server.until([&] { return session->lease_epoch() == 2U; }));
-  EXPECT_EQ(session->state().seq, 0U);
 }
 
 /// Resuming would carry on the force that was just given back.
@@ -79,10 +78,8 @@ TEST_F(Resume, ReleasedForceIsNotResumed) {
   options.on_disconnect = [&](const ClientError&, bool) { held.load()->release(); };
   const auto session = open(options);
   held = session.get();
-  server.send_state(100, v1::DEVICE_STATE_NAME_ENGAGED);
-  ASSERT_TRUE(server.until([&] { return session->state().seq == 100; }));
-  server.end_session({grpc::StatusCode::UNAVAILABLE, "the cable"});
-  ASSERT_TRUE(server.until([&] { return server.heard().openings.size() == 2; }));
+  tell_state(*session, v1::DEVICE_STATE_NAME_ENGAGED);
+  lose_the_stream();
   EXPECT_EQ(server.heard().openings.back().resume(), "");
   ASSERT_TRUE(server.until([&] { return session->connected(); }));
 }

@@ -12,14 +12,6 @@
 namespace haptic::examples {
 namespace {
 
-/// Poses over the motion that the example is made for: MCP 0..60, PIP 0..70 degrees.
-template <typename Visit>
-void over_the_motion(Visit visit) {
-  for (int mcp = 0; mcp <= 60; mcp += 5) {
-    for (int pip = 0; pip <= 70; pip += 5) visit(Joints{mcp * kDegree, pip * kDegree});
-  }
-}
-
 /// Depth of every pad, by the kinematics of core/METHOD.md#finger-linkage in complex numbers.
 std::vector<double> depths_by_complex_numbers(const SoftFingerModel& m, const Joints& x) {
   using Complex = std::complex<double>;
@@ -41,19 +33,11 @@ double deepest(const SoftFingerModel& m, const Joints& x) {
   return *std::max_element(depths.begin(), depths.end());
 }
 
-/// E(x) of soft_finger.hpp.
-double energy(const SoftFingerModel& m, const Joints& x, const Joints& probe) {
-  double sum = 0.0;
-  for (std::size_t k = 0; k < 2; ++k) sum += 0.5 * m.coupling * std::pow(x[k] - probe[k], 2);
-  for (const double depth : depths_by_complex_numbers(m, x)) {
-    sum += 0.5 * m.pad_stiffness * std::pow(std::max(depth, 0.0), 2);
-  }
-  return sum;
-}
-
+/// Over the motion that the example is made for: MCP 0..60, PIP 0..70 degrees.
 TEST(SoftFinger, PadsFollowTheMethodsKinematics) {
   const SoftFinger finger;
-  over_the_motion([&](const Joints& x) {
+  for (int pose = 0; pose < 13 * 15; ++pose) {
+    const Joints x{5 * (pose / 15) * kDegree, 5 * (pose % 15) * kDegree};
     EXPECT_NEAR(finger.depth(x), deepest({}, x), 1e-15);
     const auto near = finger.contacts(x, 0.03);
     const std::vector<double> depths = depths_by_complex_numbers({}, x);
@@ -65,25 +49,7 @@ TEST(SoftFinger, PadsFollowTheMethodsKinematics) {
                               [gap](double depth) { return std::abs(depth + gap) < 1e-15; }));
       EXPECT_EQ(plane.compliance, 0.02 / 400.0);
     }
-  });
-}
-
-TEST(SoftFinger, OnlyContactOpensTheFinger) {
-  int touching = 0, apart = 0;
-  over_the_motion([&](const Joints& probe) {
-    SoftFinger finger;
-    const double depth = deepest({}, probe);
-    const auto step = finger.step(probe);
-    ++(step.touching ? touching : apart);
-    if (step.touching) {
-      EXPECT_LE(step.x[0] + step.x[1], probe[0] + probe[1]) << probe[0] << ' ' << probe[1];
-    } else {
-      EXPECT_LE(depth, 0.0) << probe[0] << ' ' << probe[1];
-      EXPECT_EQ(step.x, probe);
-    }
-  });
-  EXPECT_LT(deepest({}, {0.0, 0.0}), 0.0) << "the open hand touches nothing";
-  EXPECT_TRUE(touching > 0 && apart > 0);
+  }
 }
 
 TEST(SoftFinger, PushedThroughProbeStaysInContact) {
@@ -126,24 +92,6 @@ TEST(SoftFinger, OddProbesAreFollowed) {
   for (const double odd : {1e6, -1e6, 1e300}) {
     const auto step = finger.step({odd, -odd});
     EXPECT_TRUE(std::isfinite(step.x[0]) && std::isfinite(step.x[1])) << odd;
-  }
-}
-
-TEST(SoftFinger, TheProxyIsAnEquilibrium) {
-  const SoftFingerModel model;
-  SoftFinger finger(model);
-  constexpr double h = 1e-6;
-  for (int percent = 0; percent <= 100; ++percent) {  // closing steadily, as a hand does
-    const Joints probe{0.6 * percent * kDegree, 0.7 * percent * kDegree};
-    const auto step = finger.step(probe);
-    if (!step.touching) continue;
-    for (std::size_t k = 0; k < 2; ++k) {
-      Joints up = step.x, down = step.x;
-      up[k] += h;
-      down[k] -= h;
-      const double slope = (energy(model, up, probe) - energy(model, down, probe)) / (2.0 * h);
-      EXPECT_NEAR(slope, 0.0, 1e-6) << percent;  // a pad at the surface adds its k depth^2 / h
-    }
   }
 }
 

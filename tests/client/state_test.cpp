@@ -98,16 +98,6 @@ TEST(State, AbsentMessagesStayAbsent) {
   EXPECT_FALSE(state.passivity || state.tracker);
 }
 
-TEST(State, TellsPosesAge) {
-  v1::DeviceState message;
-  message.mutable_tracker()->set_seq_used(12);
-  message.mutable_tracker()->set_age_us(3400);
-  message.mutable_tracker()->set_staleness(v1::STALENESS_LEVEL_HOLD);
-  const DeviceState state = to_state(message);
-  using Pose = TrackerState;
-  EXPECT_EQ(*state.tracker, (Pose{12, std::chrono::microseconds(3400), Staleness::kHold}));
-}
-
 TEST(StateFields, MatchTheProtocolInOrder) {
   const auto fields = state_fields(slider(), to_state(full_message()));
   const pb::Descriptor& type = *v1::DeviceState::descriptor();
@@ -117,22 +107,6 @@ TEST(StateFields, MatchTheProtocolInOrder) {
     EXPECT_EQ(field.name, type.field(i)->name());
     EXPECT_NE(field.values.empty(), field.messages.empty()) << field.name;
     EXPECT_TRUE(!field.repeated || !field.messages.empty() || field.axis != "") << field.name;
-  }
-}
-
-TEST(StateFields, HaveTheDevicesLabelsAndUnits) {
-  for (const StateField& field : state_fields(slider(), to_state(full_message()))) {
-    if (field.name == "q") {
-      EXPECT_EQ(field.labels, (std::vector<std::string>{"slide", "swing"}));
-      EXPECT_EQ(field.units, (std::vector<std::string>{"m", "rad"}));
-    } else if (field.name == "x_probe") {
-      EXPECT_EQ(field.labels, (std::vector<std::string>{"x", "phi"}));
-    } else if (field.name == "stiffness_in_effect") {
-      EXPECT_EQ(field.labels, std::vector<std::string>{"slide"});
-      EXPECT_EQ(field.units, std::vector<std::string>{"N/m"});
-    } else if (field.name == "proxy_age_us") {
-      EXPECT_EQ(field.units, std::vector<std::string>{"us"});
-    }
   }
 }
 

@@ -192,14 +192,6 @@ TEST_F(ClientUdp, EndOfTheStreamEndsIt) {
   EXPECT_TRUE(udp.messages().empty());
 }
 
-TEST_F(ClientUdp, UnansweredPathLeavesTheStream) {
-  server.offer_udp(offer(keys, 9));  // discard: nobody listens on loopback
-  const auto session = open();
-  session->publish(Proxy::held({0.01}));
-  ASSERT_TRUE(streamed(1));
-  EXPECT_FALSE(session->udp_link()->in_use);
-}
-
 TEST_F(ClientUdp, TheNextAddressIsTriedToo) {
   v1::UdpPath two = offer(keys, udp.port());
   two.set_host("two.example");

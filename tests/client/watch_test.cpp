@@ -1,7 +1,6 @@
 /// Telemetry without a session.
 
 #include <atomic>
-#include <stdexcept>
 
 #include "tests/client/support/fake_server.hpp"
 
@@ -61,18 +60,6 @@ TEST_F(Watch, SaysWhyItEnded) {
   ASSERT_TRUE(error.has_value());
   EXPECT_EQ(error->reason(), client::ErrorReason::kNoSuchDevice);
   EXPECT_EQ(error->server_reason(), "NO_SUCH_DEVICE");
-}
-
-TEST_F(Watch, ThrowingCallbackDoesNotEndIt) {
-  std::atomic<int> calls{0};
-  const auto watching = watch([&](const client::DeviceState&) {
-    ++calls;
-    throw std::runtime_error("the user's");
-  });
-  server.send_watch(state(1));
-  server.send_watch(state(2));
-  EXPECT_TRUE(server.until([&] { return calls == 2; }));
-  EXPECT_TRUE(watching->running());
 }
 
 TEST_F(Watch, EndsWhileTheServerSaysNothing) {

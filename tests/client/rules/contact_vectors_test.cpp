@@ -106,6 +106,7 @@ TEST(ContactVectors, ProxiesAreTheShared) {
                                  {.start = row["start"], .weights = row["weights"]});
     EXPECT_TRUE(found.converged);
     EXPECT_LE(found.iterations, 12);
+    EXPECT_EQ(found.proxy().mode, Mode::kPlanes);
     expect_near(found.x, row["x"], 1e-10);
   }
 }

@@ -10,7 +10,6 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -19,6 +18,7 @@
 
 #include "haptic/client/client.hpp"
 #include "haptic/v1/haptic_service.grpc.pb.h"
+#include "tests/support/within.hpp"
 
 namespace haptic::test {
 
@@ -82,10 +82,13 @@ class FakeServer final
   };
   [[nodiscard]] Heard heard() const;
 
-  /// Until `condition` (evaluated without any lock held) or `patience`; false on the latter. Short
+  /// Waits for `condition`, which is evaluated without any lock held; false after `patience`. Short
   /// patience is for what must not happen: a slow machine then passes, it never fails.
-  [[nodiscard]] bool until(const std::function<bool()>& condition,
-                           std::chrono::milliseconds patience = std::chrono::seconds(20)) const;
+  template <typename Condition>
+  [[nodiscard]] bool until(Condition condition,
+                           std::chrono::milliseconds patience = std::chrono::seconds(20)) const {
+    return within(patience, condition);
+  }
 
  private:
   class SessionReactor;
@@ -97,8 +100,6 @@ class FakeServer final
                                                      const v1::WatchRequest* request) override;
   grpc::Status ListDevices(grpc::ServerContext*, const v1::ListDevicesRequest*,
                            v1::ListDevicesResponse* response) override;
-  grpc::Status GetServerInfo(grpc::ServerContext*, const v1::GetServerInfoRequest*,
-                             v1::GetServerInfoResponse* response) override;
   grpc::Status Engage(grpc::ServerContext*, const v1::EngageRequest*, v1::EngageResponse*) override;
   grpc::Status Release(grpc::ServerContext*, const v1::ReleaseRequest*,
                        v1::ReleaseResponse*) override;

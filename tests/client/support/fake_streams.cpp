@@ -1,8 +1,5 @@
 #include "tests/client/support/fake_streams.hpp"
 
-#include <chrono>
-#include <thread>
-
 namespace haptic::test {
 
 grpc::ServerBidiReactor<v1::SessionRequest, v1::SessionResponse>* FakeServer::Session(
@@ -90,16 +87,6 @@ grpc::Status FakeServer::ListDevices(grpc::ServerContext* /*context*/,
   return grpc::Status::OK;
 }
 
-grpc::Status FakeServer::GetServerInfo(grpc::ServerContext* /*context*/,
-                                       const v1::GetServerInfoRequest* /*request*/,
-                                       v1::GetServerInfoResponse* response) {
-  response->set_version("1.2.3");
-  response->set_protocol("haptic.v1");
-  response->mutable_uptime()->set_seconds(3);
-  response->mutable_uptime()->set_nanos(500'000'000);
-  return grpc::Status::OK;
-}
-
 grpc::Status FakeServer::Engage(grpc::ServerContext* /*context*/,
                                 const v1::EngageRequest* /*request*/,
                                 v1::EngageResponse* /*response*/) {
@@ -139,16 +126,6 @@ grpc::Status FakeServer::ClearFault(grpc::ServerContext* /*context*/,
                                     const v1::ClearFaultRequest* /*request*/,
                                     v1::ClearFaultResponse* /*response*/) {
   return refusal(grpc::StatusCode::FAILED_PRECONDITION, "FAULT_PERSISTS", "DEVICE_LOST persists");
-}
-
-bool FakeServer::until(const std::function<bool()>& condition,
-                       std::chrono::milliseconds patience) const {
-  using Clock = std::chrono::steady_clock;
-  for (const auto end = Clock::now() + patience; Clock::now() < end;) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return false;
 }
 
 }  // namespace haptic::test

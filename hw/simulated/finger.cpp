@@ -52,10 +52,6 @@ SimulatedFinger::SimulatedFinger(const SimulatedFingerConfig& config,
       physics_(config.finger, kinematics, kRest),
       noise_(config.seed) {}
 
-double SimulatedFinger::elapsed() const noexcept {
-  return static_cast<double>(steps_) * Substeps::kStepSeconds + core::seconds(substeps_.rest());
-}
-
 void SimulatedFinger::read(core::TimePoint now, core::DeviceReading& reading) noexcept {
   if (!book_.begin_read(now, reading)) return;
   for (int n = substeps_.advance(now); n > 0; --n) {

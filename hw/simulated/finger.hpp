@@ -48,9 +48,6 @@ class SimulatedFinger final : public Device {
 
   /// The state without the errors of the sensors.
   [[nodiscard]] const FingerPhysics& physics() const noexcept { return physics_; }
-  [[nodiscard]] const Intent& intent() const noexcept { return intent_; }
-  /// Simulated time, s: `now` less what was skipped in jumps of the clock.
-  [[nodiscard]] double elapsed() const noexcept;
   /// Force acting now, N: 0 unless armed, within the limit.
   [[nodiscard]] double tau_a() const noexcept { return tau_a_; }
 

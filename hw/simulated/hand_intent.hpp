@@ -35,12 +35,7 @@ class HandIntent {
   HandIntent(const HandLayout& layout, const core::VecQ& target, const core::Kinematics& kinematics,
              const std::filesystem::path& motion_file);
 
-  /// One coordinate at `t` s after the simulation began. Allocates nothing.
-  [[nodiscard]] double at(Eigen::Index i, double t) const noexcept {
-    return course_[static_cast<std::size_t>(i)].at(t);
-  }
-
-  /// All of them, into `aim` (n_q), for a fraction of their single costs.
+  /// All coordinates at `t` s after the simulation began, into `aim` (n_q). Allocates nothing.
   void at(double t, core::VecQ& aim) const noexcept;
 
   /// How many fingers the file moves.

@@ -62,12 +62,5 @@ TEST(OpenDevice, ARecordingNeedsAnEffort) {
               HasSubstr("max_effort[0] = -3: must be finite and > 0"));
 }
 
-TEST(OpenDevice, AMissingMotionFileIsNamed) {
-  SimulatedFingerConfig config;
-  config.motion_file = "no/such.csv";
-  EXPECT_THAT(error_of(config, core::make_finger_exoskeleton(core::finger_sign_change())),
-              HasSubstr("no/such.csv"));
-}
-
 }  // namespace
 }  // namespace haptic::hw

@@ -17,11 +17,6 @@ using haptic::hw::SampleSignal;
 
 constexpr TimePoint kPast{Duration(1s)};
 
-TEST(SampleSignal, APassedDeadlineDoesNotWait) {
-  SampleSignal signal;
-  EXPECT_FALSE(signal.wait_until(kPast));
-}
-
 TEST(SampleSignal, APostIsTakenOnce) {
   SampleSignal signal;
   signal.post(kPast + 5ms);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -92,12 +93,19 @@ class SpokenTo {
  public:
   SpokenTo() : host(test::expect_finger(), 7) {
     host.connect(now);
+    session_ = heard<Hello>(FrameType::kHello).value_or(Hello{}).session;
+  }
+  /// The last message of that type that the host has sent since the last call.
+  template <typename Message>
+  std::optional<Message> heard(FrameType type) {
+    std::optional<Message> last;
     FrameDecoder decoder;
     for (const std::uint8_t byte : host.output()) {
       if (decoder.push(byte) != FrameDecoder::Event::kFrame) continue;
-      if (const auto hello = read<Hello>(decoder.frame().payload)) session_ = hello->session;
+      if (decoder.frame().type == type) last = read<Message>(decoder.frame().payload);
     }
     host.consume(host.output().size());
+    return last;
   }
   template <typename Message>
   void say(FrameType type, const Message& message) {
@@ -177,15 +185,7 @@ TEST(BoardHost, AFormerArmingIsNotArmed) {
   board.say(SpokenTo::identity());
   const auto asked = [&](bool arm, std::uint32_t arming) {
     board.host.want({.arm = arm, .arming = arming, .tau_a = core::VecA::Zero(1)}, board.now);
-    std::uint32_t nonce = 0;
-    FrameDecoder decoder;
-    for (const std::uint8_t byte : board.host.output()) {
-      if (decoder.push(byte) != FrameDecoder::Event::kFrame) continue;
-      if (decoder.frame().type != FrameType::kArm) continue;
-      nonce = read<Arm>(decoder.frame().payload)->nonce;
-    }
-    board.host.consume(board.host.output().size());
-    return nonce;
+    return board.heard<Arm>(FrameType::kArm).value_or(Arm{}).nonce;
   };
   const auto says_armed = [&](std::uint32_t nonce) {
     State state{.nonce = nonce, .state = BoardState::kArmed, .n_q = 2, .n_f = 1};

@@ -45,17 +45,6 @@ TEST(ByteLink, APermissionErrorNamesTheGroup) {
   EXPECT_NE(why(EBUSY, path).find("in use by another program"), std::string::npos);
 }
 
-TEST(ByteLink, APortHasOneOwner) {
-  const test::TemporaryFile port("", "ttyACM0");
-  const int first = ::open(port.path().c_str(), O_RDWR | O_CLOEXEC);
-  const int second = ::open(port.path().c_str(), O_RDWR | O_CLOEXEC);
-  claim(first, "ttyACM0");
-  EXPECT_THROW(claim(second, "ttyACM0"), core::DeviceError);
-  ::close(first);
-  EXPECT_NO_THROW(claim(second, "ttyACM0"));
-  ::close(second);
-}
-
 TEST(ByteLink, APseudoTerminalOpensOnce) {
   const emulator::PseudoTerminal terminal("");
   const std::string port = terminal.port().string();

@@ -4,16 +4,10 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "tests/proto/wire/hex.hpp"
+
 namespace haptic::test {
 namespace {
-
-void append_hex(const std::string& line, std::vector<std::uint8_t>& bytes) {
-  std::istringstream words(line);
-  for (std::string word; words >> word;) {
-    if (word.size() != 2) throw std::runtime_error("not a byte: " + word);
-    bytes.push_back(static_cast<std::uint8_t>(std::stoul(word, nullptr, 16)));
-  }
-}
 
 Vector parse_head(const std::string& line) {
   std::istringstream words(line);
@@ -39,7 +33,8 @@ std::vector<Vector> load() {
     } else if (line == "  wire") {
       part = &found.back().wire;
     } else if (line.starts_with("    ")) {
-      append_hex(line, *part);
+      const std::vector<std::uint8_t> bytes = from_hex(line);
+      part->insert(part->end(), bytes.begin(), bytes.end());
     } else {
       found.push_back(parse_head(line));
     }

@@ -37,8 +37,7 @@ class VirtualLink {
     for (const core::TimePoint end = now() + length; now() < end;) {
       elapsed_us_ += 100;
       plugged_->advance(elapsed_us_);
-      const auto bytes = plugged_->take_output();
-      if (!deaf) host.receive(bytes, now());
+      host.receive(plugged_->take_output(), now());
       if (elapsed_us_ % 1000 == 0) {
         if (!mute) host.want(wanted, now());
         host.poll(now());
@@ -70,7 +69,6 @@ class VirtualLink {
   Host host;
   hw::board::Wanted wanted{};
   bool mute{false};  ///< nothing reaches the board
-  bool deaf{false};  ///< nothing reaches the host
 
  private:
   hw::emulator::EmulatedBoard* plugged_{&board};

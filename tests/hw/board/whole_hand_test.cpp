@@ -16,45 +16,39 @@ namespace {
 
 constexpr float kMaxEffort = 40.0F;
 
-class HandBoard {
- public:
-  explicit HandBoard(const std::vector<core::DofSpec>& dofs) {
-    for (const core::DofSpec& dof : dofs) {
-      hb_dof entry{};
-      entry.name = dof.name.c_str();
-      entry.radian = dof.unit == core::Unit::kRadian;
-      entry.actuated = dof.actuated;
-      entry.lower = static_cast<float>(dof.lower);
-      entry.upper = static_cast<float>(dof.upper);
-      entry.max_effort = dof.actuated ? kMaxEffort : 0.0F;
-      entry.max_rate = dof.actuated ? 0.03F : 0.0F;
-      dofs_.push_back(entry);
-    }
-    config_ = {"HAND-1", "five fingers", {1, 0, 0},    HB_FORCE_LOOP | HB_MEASURES_FORCE,
-               25000,    1000,           dofs_.data(), static_cast<std::uint8_t>(dofs_.size())};
-    hb_init(&board, &config_, &HandBoard::send, this);
+/// The dictionary of a board that carries `dofs`.
+std::vector<hb_dof> dictionary(const std::vector<core::DofSpec>& dofs) {
+  std::vector<hb_dof> entries;
+  for (const core::DofSpec& dof : dofs) {
+    hb_dof entry{};
+    entry.name = dof.name.c_str();
+    entry.radian = dof.unit == core::Unit::kRadian;
+    entry.actuated = dof.actuated;
+    entry.lower = static_cast<float>(dof.lower);
+    entry.upper = static_cast<float>(dof.upper);
+    entry.max_effort = dof.actuated ? kMaxEffort : 0.0F;
+    entry.max_rate = dof.actuated ? 0.03F : 0.0F;
+    entries.push_back(entry);
   }
-  HandBoard(const HandBoard&) = delete;
-  HandBoard& operator=(const HandBoard&) = delete;
+  return entries;
+}
 
-  hb_board board{};
-  std::vector<std::uint8_t> sent{};
-
- private:
-  static bool send(void* context, const std::uint8_t* bytes, std::size_t length) {
-    auto& self = *static_cast<HandBoard*>(context);
-    self.sent.insert(self.sent.end(), bytes, bytes + length);
-    return true;
-  }
-  std::vector<hb_dof> dofs_{};
-  hb_config config_{};
-};
+bool append(void* to, const std::uint8_t* bytes, std::size_t length) {
+  auto& sent = *static_cast<std::vector<std::uint8_t>*>(to);
+  sent.insert(sent.end(), bytes, bytes + length);
+  return true;
+}
 
 TEST(WholeHand, AHandFitsOneBoard) {
   const auto hand = core::make_hand_exoskeleton(core::five_fingers());
   ASSERT_EQ(hand->layout().n_q(), 10);
   ASSERT_EQ(hand->layout().n_a(), 5);
-  HandBoard device(hand->dofs());
+  const std::vector<hb_dof> dofs = dictionary(hand->dofs());
+  const hb_config config{"HAND-1", "five fingers", {1, 0, 0},   HB_FORCE_LOOP | HB_MEASURES_FORCE,
+                         25000,    1000,           dofs.data(), 10};
+  hb_board board{};
+  std::vector<std::uint8_t> sent;
+  hb_init(&board, &config, &append, &sent);
   BoardHost host({hand->dofs(), core::VecA::Constant(5, 40.0), std::chrono::milliseconds(20), {}},
                  7);
 
@@ -69,12 +63,12 @@ TEST(WholeHand, AHandFitsOneBoard) {
   host.connect(core::TimePoint{});
   for (std::uint64_t ms = 1; ms <= 50; ++ms) {
     const core::TimePoint now{std::chrono::milliseconds(ms)};
-    for (const std::uint8_t byte : host.output()) hb_receive(&device.board, byte, 1000 * ms);
+    for (const std::uint8_t byte : host.output()) hb_receive(&board, byte, 1000 * ms);
     host.consume(host.output().size());
-    hb_sample(&device.board, 1000 * ms, q.data(), force.data(), 0);
-    drives = hb_reference(&device.board, 1000 * ms, reference.data(), &kind);
-    host.receive(device.sent, now);
-    device.sent.clear();
+    hb_sample(&board, 1000 * ms, q.data(), force.data(), 0);
+    drives = hb_reference(&board, 1000 * ms, reference.data(), &kind);
+    host.receive(sent, now);
+    sent.clear();
     host.want(wanted, now);
     host.poll(now);
   }

@@ -15,26 +15,6 @@ namespace {
 using namespace std::chrono_literals;
 using test::VirtualLink;
 
-/// Mean force in the cell over 0.2 s, N.
-double mean_force(VirtualLink& link) {
-  double sum = 0.0;
-  for (int i = 0; i < 200; ++i) {
-    link.run(1ms);
-    sum += link.board.rig().actuator().force();
-  }
-  return sum / 200.0;
-}
-
-TEST(EmulatedBoard, TheCellSettlesAtTheCommand) {
-  for (const double wanted : {3.0, 8.0, -5.0}) {
-    VirtualLink link({}, test::expect_finger(), Eigen::Vector2d(0.5, 0.5));
-    link.run(1s);
-    link.arm(wanted);
-    link.run(2s);
-    EXPECT_NEAR(mean_force(link), wanted, 0.1 + 0.05 * std::abs(wanted));
-  }
-}
-
 TEST(EmulatedBoard, ArmedAtZeroItYields) {
   VirtualLink link({}, test::expect_finger(), Eigen::Vector2d(0.6, 0.6));
   link.run(1s);
@@ -76,18 +56,6 @@ TEST(EmulatedBoard, TooMuchForceIsAFault) {
   EXPECT_FALSE(link.board.drives());
   EXPECT_TRUE(link.host.reading().broken);
   EXPECT_TRUE(link.host.reading().force_over_limit) << "the reason outlives its cause";
-}
-
-TEST(EmulatedBoard, SameSeedSameBits) {
-  EmulatorConfig config;
-  config.drop = config.corrupt = 1e-3;
-  const auto run = [&] {
-    VirtualLink link(config);
-    link.arm(4.0);
-    link.run(1s);
-    return std::pair(link.host.counters().bytes, link.board.rig().actuator().x());
-  };
-  EXPECT_EQ(run(), run());
 }
 
 /// The board's loop on an actuator that presses against a wall, the hardest case for stability.

@@ -3,91 +3,24 @@
 // time. The moment of each fault is drawn from the seed.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <memory>
 
-#include "haptic/core/model/finger_exoskeleton.hpp"
-#include "haptic/core/tick/pipeline.hpp"
 #include "hw/random.hpp"
-#include "tests/support/held_proxy.hpp"
-#include "tests/support/virtual_board.hpp"
+#include "tests/support/pressed_board.hpp"
 
 namespace haptic::hw::emulator {
 namespace {
 
 using core::Fault;
 using core::LifecycleState;
-constexpr double kForceLimit = 20.0;
+using test::PressedBoard;
 
-/// A finger that goes on bending into a wall at its first joint, rendered through the board.
-class PressedBoard {
- public:
-  explicit PressedBoard(const EmulatorConfig& config)
-      : finger_(core::make_finger_exoskeleton({})),
-        device_(config, {Eigen::Vector2d::Zero(), Eigen::Vector2d(0.9, 0.9)}, wanted(), finger_),
-        pipeline_(pipeline_config()) {
-    input_.settings = pipeline_.config().scene;
-    input_.command.tenure = 1;
-    input_.command.lease_held = true;
-  }
-
-  core::TickRecord tick() {
-    input_.now += std::chrono::milliseconds(1);
-    device_.read(input_.now, input_.device);
-    core::VecX x;
-    core::MatXQ J;
-    if (input_.device.sample.q.size() == 2 &&
-        finger_->evaluate(input_.device.sample.q, x, J) == core::MapStatus::kOk) {
-      x[0] = std::min(x[0], kWall);
-      test::publish_held(input_, x);
-    }
-    if (last_.life.state == LifecycleState::kArmed && engages) ++input_.command.engage_id;
-    last_ = pipeline_.tick(input_);
-    device_.write(input_.now, {last_.life.arm, last_.effort.tau_a, last_.effort.position});
-    return last_;
-  }
-  core::TickRecord run_ms(int ms) {
-    for (int i = 0; i < ms; ++i) tick();
-    return last_;
-  }
-  void clear() {
-    ++input_.command.clear_id;
-    input_.command.clear = last_.faults();
-  }
-  [[nodiscard]] VirtualBoard& device() { return device_; }
-  [[nodiscard]] EmulatedBoard& board() { return device_.board(); }
-  [[nodiscard]] const core::TickRecord& last() const { return last_; }
-  /// A fault that begins now.
-  void fault(FaultKind kind, double length, double amount = 0.0) {
-    board().add_fault({kind, static_cast<double>(board().now_us()) * 1e-6, length, amount});
-  }
-  bool engages{true};
-
- private:
-  static constexpr double kWall = 0.3;  // rad
-
-  static BoardConfig wanted() {
-    BoardConfig config;
-    config.max_effort = core::VecA::Constant(1, 40.0);
-    return config;
-  }
-  core::PipelineConfig pipeline_config() const {
-    core::PipelineConfig config{.kinematics = finger_, .device = device_.info().limits};
-    config.scene.direction_guard = true;
-    config.scene.stiffness = core::VecA::Constant(1, 500.0);
-    config.scene.damping = core::VecA::Constant(1, 0.5);
-    config.scene.force_limit = core::VecA::Constant(1, kForceLimit);
-    config.scene.slew_limit = core::VecA::Constant(1, 2000.0);
-    config.scene.engage_window = core::VecA::Constant(1, kForceLimit);
-    return config;
-  }
-
-  std::shared_ptr<const core::Kinematics> finger_;
-  VirtualBoard device_;
-  core::Pipeline pipeline_;
-  core::TickInput input_{};
-  core::TickRecord last_{};
-};
+/// A fault of this board that begins now.
+void fault(PressedBoard& finger, FaultKind kind, double length, double amount = 0.0) {
+  const double now = static_cast<double>(finger.board().now_us()) * 1e-6;
+  finger.board().add_fault({kind, now, length, amount});
+}
 
 /// When the faults of a seed begin, ms after the pressing began.
 int moment(std::uint64_t seed) {
@@ -96,9 +29,15 @@ int moment(std::uint64_t seed) {
 }
 
 struct PressedCase : ::testing::TestWithParam<std::uint64_t> {
-  PressedBoard finger{config()};
+  PressedBoard finger{setup()};
   void SetUp() override { press(finger); }
-  static EmulatorConfig config() { return {.seed = GetParam()}; }
+  /// The finger goes on bending into a wall at its first joint.
+  static test::PressedBoardSetup setup() {
+    static constexpr double kWall = 0.3;  // rad
+    return {.emulator = {.seed = GetParam()}, .proxy = [](const core::VecX& x) {
+              return (core::VecX(2) << std::min(x[0], kWall), x[1]).finished();
+            }};
+  }
   /// Engaged, with force, at the moment of this seed.
   static void press(PressedBoard& finger) {
     finger.run_ms(900 + moment(GetParam()));
@@ -110,7 +49,7 @@ struct PressedCase : ::testing::TestWithParam<std::uint64_t> {
   static int until_fault(PressedBoard& finger, int at_most_ms) {
     for (int ms = 1; ms <= at_most_ms; ++ms) {
       const core::TickRecord record = finger.tick();
-      EXPECT_LE(std::abs(record.effort.tau_a[0]), kForceLimit + 1e-9);
+      EXPECT_LE(std::abs(record.effort.tau_a[0]), PressedBoard::kForceLimit + 1e-9);
       if (record.life.state != LifecycleState::kFault) continue;
       EXPECT_EQ(record.effort.tau_a[0], 0.0);
       return ms;
@@ -139,9 +78,9 @@ struct PressedCase : ::testing::TestWithParam<std::uint64_t> {
 };
 
 TEST_P(PressedCase, FewDamagedBytesAreOnlyCounted) {
-  EmulatorConfig c = config();
-  c.drop = c.corrupt = 1e-4;
-  PressedBoard damaged(c);
+  test::PressedBoardSetup lossy = setup();
+  lossy.emulator.drop = lossy.emulator.corrupt = 1e-4;
+  PressedBoard damaged(lossy);
   press(damaged);
   damaged.run_ms(4000);
   EXPECT_EQ(damaged.last().life.state, LifecycleState::kEngaged);
@@ -164,7 +103,7 @@ TEST_P(PressedCase, LossyLinkIsASilentDevice) {
 
 TEST_P(PressedCase, BrownoutAndHangStopTheMotor) {
   for (const FaultKind kind : {FaultKind::kBrownOut, FaultKind::kHang}) {
-    finger.fault(kind, 0.3);
+    fault(finger, kind, 0.3);
     finger.tick();
     EXPECT_FALSE(finger.board().drives());
     EXPECT_LE(until_fault(finger, 100), 12);
@@ -174,7 +113,7 @@ TEST_P(PressedCase, BrownoutAndHangStopTheMotor) {
 }
 
 TEST_P(PressedCase, AnUnpluggedBoardStopsItself) {
-  finger.fault(FaultKind::kUnplug, 0.3);
+  fault(finger, FaultKind::kUnplug, 0.3);
   EXPECT_LE(until_fault(finger, 100), 12);
   EXPECT_TRUE(finger.last().faults().has(Fault::kDeviceLost));
   expect_drive_off(finger, 26);  // the board's watchdog, 25 ms
@@ -183,7 +122,7 @@ TEST_P(PressedCase, AnUnpluggedBoardStopsItself) {
 }
 
 TEST_P(PressedCase, TheBoardFindsAStuckSensor) {
-  finger.fault(FaultKind::kStuck, 0.4);
+  fault(finger, FaultKind::kStuck, 0.4);
   EXPECT_LE(until_fault(finger, 300), 103);
   EXPECT_TRUE(finger.last().faults().has(Fault::kDeviceLost));
   EXPECT_FALSE(finger.board().drives());
@@ -192,7 +131,7 @@ TEST_P(PressedCase, TheBoardFindsAStuckSensor) {
 }
 
 TEST_P(PressedCase, TheBoardFindsADeadMotor) {
-  finger.fault(FaultKind::kStall, 60.0);
+  fault(finger, FaultKind::kStall, 60.0);
   // Nothing is to be found as long as friction holds what is asked for; then some seconds of the
   // integral, and 200 ms at its limit.
   until_fault(finger, 30'000);
@@ -202,7 +141,7 @@ TEST_P(PressedCase, TheBoardFindsADeadMotor) {
 
 TEST_P(PressedCase, DriftEndsOutOfRange) {
   const double l_x = finger.last().sensed.q[0];
-  finger.fault(FaultKind::kDrift, 60.0, 0.01);
+  fault(finger, FaultKind::kDrift, 60.0, 0.01);
   // 10 mm/s from where it is to the end of the range and its margin; the rod may follow.
   const double end = finger.device().info().limits.q_upper[0];
   const int latest = static_cast<int>((end - l_x) / 0.01 * 1e3) + 5000;

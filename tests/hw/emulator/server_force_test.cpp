@@ -8,43 +8,29 @@
 #include <cmath>
 
 #include "haptic/core/control/force_control.hpp"
-#include "haptic/core/model/finger_exoskeleton.hpp"
 #include "tests/hw/emulator/force_step.hpp"
-#include "tests/support/virtual_board.hpp"
+#include "tests/support/pressed_board.hpp"
 
 namespace haptic::hw::emulator {
 namespace {
 
-struct Law {
-  const char* name{};
-  BoardControl control{};
-  core::ForceControlSettings settings{};
-  /// Figures of hw/README.md for every pose: rise in s, overshoot as a share.
+/// Figures of hw/README.md for every pose: rise in s, overshoot as a share.
+struct Figures {
+  test::ForceLaw law{};
   double quickest{}, slowest{}, overshoot{};
 };
+const Figures kTable[] = {{test::kServerLoop, 0.211, 0.511, 0.02},
+                          {test::kAdmittance, 0.091, 0.131, 0.03}};
 
 /// N and N/s, as of a scene with force_n 20: slew by default, and all that the drive can give.
 const core::DriveLimits kLimits{core::VecA::Constant(1, 50.0), core::VecA::Constant(1, 2000.0)};
 constexpr double kOtherCompilers = 1.2;  // rounding differs, and with it the noise
 
-Law force_loop() {
-  return {"server {}", BoardControl::kDrive, {{{20.0, 100.0, 15.0, 2.0, 50.0}}, {}}, 0.211, 0.511,
-          0.02};
-}
-Law admittance() {
-  return {"admittance {}",
-          BoardControl::kPosition,
-          {{}, {{0.0, 150.0, 0.03, 0.0, 0.0335}}},
-          0.091,
-          0.131,
-          0.03};
-}
-
 /// The board under a law of the server's, one tick per millisecond.
 class Loop {
  public:
-  Loop(const Law& law, const Eigen::Vector2d& pose)
-      : device_(emulator_config(law), {Eigen::Vector2d::Zero(), pose}, board_config(),
+  Loop(const test::ForceLaw& law, const Eigen::Vector2d& pose)
+      : device_({.control = law.control}, {Eigen::Vector2d::Zero(), pose}, board_config(),
                 core::make_finger_exoskeleton({})),
         law_(law.settings, 1) {}
 
@@ -63,7 +49,6 @@ class Loop {
   }
 
  private:
-  static EmulatorConfig emulator_config(const Law& law) { return {.control = law.control}; }
   static BoardConfig board_config() {
     BoardConfig config;
     config.max_effort = core::VecA::Constant(1, 50.0);  // what the L16 lifts
@@ -77,7 +62,7 @@ class Loop {
 };
 
 TEST(ServerForce, AStepSettlesOverTheWorkspace) {
-  for (const Law& law : {force_loop(), admittance()}) {
+  for (const auto& [law, quickest, slowest, overshoot] : kTable) {
     for (const Eigen::Vector2d& pose :
          {Eigen::Vector2d(0.3, 0.3), Eigen::Vector2d(0.6, 0.8), Eigen::Vector2d(1.0, 1.2)}) {
       for (const double to : {-6.0, 6.0}) {
@@ -90,9 +75,9 @@ TEST(ServerForce, AStepSettlesOverTheWorkspace) {
             law.name, pose[0], pose[1], to / 3.0, to, 1e3 * step.rise, step.bandwidth,
             100.0 * step.overshoot, step.settled ? "" : ", not settled");
         EXPECT_TRUE(step.settled);
-        EXPECT_GT(step.rise, law.quickest / kOtherCompilers);
-        EXPECT_LT(step.rise, law.slowest * kOtherCompilers);
-        EXPECT_LT(step.overshoot, law.overshoot + 0.01);
+        EXPECT_GT(step.rise, quickest / kOtherCompilers);
+        EXPECT_LT(step.rise, slowest * kOtherCompilers);
+        EXPECT_LT(step.overshoot, overshoot + 0.01);
       }
     }
   }

@@ -75,7 +75,6 @@ class FirmwareBoard : public testing::Test {
   std::vector<FrameType> sent_{};
   std::optional<State> state_{};
   std::optional<Identity> identity_{};
-  std::vector<Dof> dofs_{};
 
  private:
   static bool keep(void* context, const std::uint8_t* bytes, size_t length) {
@@ -87,7 +86,6 @@ class FirmwareBoard : public testing::Test {
       self.sent_.push_back(frame.type);
       if (frame.type == FrameType::kState) self.state_ = read<State>(frame.payload);
       if (frame.type == FrameType::kIdentity) self.identity_ = read<Identity>(frame.payload);
-      if (frame.type == FrameType::kDof) self.dofs_.push_back(*read<Dof>(frame.payload));
     }
     return true;
   }
@@ -99,20 +97,6 @@ TEST_F(FirmwareBoard, SilentUntilHello) {
   EXPECT_FALSE(sample());
   hello();
   EXPECT_TRUE(sample());
-}
-
-TEST_F(FirmwareBoard, HelloIsAnsweredByTheDictionary) {
-  hello(4711);
-  ASSERT_TRUE(identity_);
-  EXPECT_EQ(identity_->session, 4711U);
-  EXPECT_EQ(identity_->n_q, 2);
-  EXPECT_EQ(identity_->n_a, 1);
-  EXPECT_EQ(identity_->watchdog_us, kWatchdogUs);
-  EXPECT_EQ(identity_->serial, "T-1");
-  ASSERT_EQ(dofs_.size(), 2U);
-  EXPECT_EQ(dofs_[0].name, "l_x");
-  EXPECT_TRUE(dofs_[0].actuated);
-  EXPECT_EQ(dofs_[1].lower, -1.3F);
 }
 
 TEST_F(FirmwareBoard, AnotherVersionGetsNoSession) {

@@ -18,10 +18,6 @@ TEST(FirmwareCodec, HasTheSizesOfTheServers) {
   EXPECT_EQ(HF_MAX_WIRE, kMaxWire);
 }
 
-TEST(FirmwareCodec, GivesThePublishedCheckValue) {
-  EXPECT_EQ(hf_crc32c(reinterpret_cast<const std::uint8_t*>("123456789"), 9), 0xE3069283U);
-}
-
 TEST(FirmwareCodec, EncodesAndDecodesTheDocumentsVectors) {
   for (const test::Vector& vector : test::vectors()) {
     Bytes wire(HF_MAX_WIRE);

@@ -52,18 +52,10 @@ TEST(FingerPhysics, IsOfAFingerOnly) {
   EXPECT_THROW(FingerPhysics({}, stylus, Eigen::Vector2d::Zero()), core::DeviceError);
 }
 
-TEST(FingerPhysics, AFreeFingerReachesItsAim) {
-  // tests/report/STUDY.md#chosen-presses-finger_sign_change, column "none": 50, 50 deg.
-  const FingerPhysics physics = pressed({}, {50 * kDeg, 50 * kDeg}, 0.0);
-  EXPECT_NEAR(physics.x()[0], 50 * kDeg, 1e-6);
-  EXPECT_NEAR(physics.x()[1], 50 * kDeg, 1e-6);
-  EXPECT_TRUE(physics.in_reach());
-}
-
 TEST(FingerPhysics, ForceBalancesTheHandAtRest) {
   // w tau_a = K_h (x - x_des), both joints.
   const FingerParameters p;
-  for (const double tau_a : {-14.0, -6.0, -1.0, 0.5, 4.0}) {
+  for (const double tau_a : {-14.0, -6.0, -1.0, 0.0, 0.5, 4.0}) {
     for (const Eigen::Vector2d& aim :
          {Eigen::Vector2d(50 * kDeg, 50 * kDeg), Eigen::Vector2d(30 * kDeg, 40 * kDeg)}) {
       const FingerPhysics physics = pressed(p, aim, tau_a);
@@ -113,20 +105,6 @@ TEST(FingerPhysics, TheActuatorMassMovesAlong) {
   EXPECT_LT(drift(1e-6), 0.3 * coarse);
 }
 
-TEST(FingerPhysics, EnergyNeverExceedsTheUsers) {
-  // No force: kinetic energy <= work of the user, at every step, friction and stops included.
-  for (const double friction : {0.0, 3.0}) {
-    FingerParameters p{.actuator_friction = friction};
-    FingerPhysics physics(p, test::one_finger(), Eigen::Vector2d::Zero());
-    for (int i = 0; i < 40000; ++i) {
-      const double t = i * kDt;
-      physics.step(kDt, {0.6 + 0.7 * std::sin(9.0 * t), 0.7 + 0.8 * std::sin(5.0 * t)}, 0.0);
-      ASSERT_LE(physics.kinetic(), physics.energy().by_user + 1e-6) << "t = " << t;
-    }
-    EXPECT_GT(physics.energy().by_user, 0.01);
-  }
-}
-
 TEST(FingerPhysics, AccountsForAllEnergyUnderForce) {
   FingerParameters p{.actuator_friction = 1.0};
   FingerPhysics physics(p, test::one_finger(), Eigen::Vector2d::Zero());
@@ -137,6 +115,7 @@ TEST(FingerPhysics, AccountsForAllEnergyUnderForce) {
     physics.step(kDt, {0.8 + 0.2 * std::sin(4.0 * t), 0.8}, 6.0 * std::sin(7.0 * t));
     ASSERT_GE(e.friction, last.friction) << "friction and damping only take";
     ASSERT_GE(e.damping, last.damping);
+    ASSERT_LE(physics.kinetic(), e.by_user + e.by_actuator + 1e-6) << "t = " << t;
   }
   const double put_in = e.by_user + e.by_actuator;
   const double taken = physics.kinetic() + e.damping + e.friction + e.stop;

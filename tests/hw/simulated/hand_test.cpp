@@ -159,15 +159,5 @@ TEST(SimulatedHand, OnlyTheFingersSensorsAreNoisy) {
   }
 }
 
-TEST(SimulatedHand, DescribesItself) {
-  const SimulatedHand device(hand_aiming_at(0.0, true), test::hand_on_a_palm());
-  const DeviceInfo& info = device.info();
-  EXPECT_EQ(info.kind, "simulated");
-  EXPECT_THAT(info.model, testing::HasSubstr("constant target"));
-  EXPECT_TRUE(info.moves);
-  EXPECT_EQ(info.dofs.size(), 16u);
-  EXPECT_EQ(info.limits.max_effort, core::VecA::Constant(5, 40.0));
-}
-
 }  // namespace
 }  // namespace haptic::hw

@@ -117,14 +117,5 @@ TEST(SimulatedLinear, ForceStaysWithinMaxEffort) {
   EXPECT_TRUE(limited.q().allFinite());
 }
 
-TEST(SimulatedLinear, ClosedItIsLost) {
-  SimulatedLinear device(config(), plane());
-  VirtualLoop loop(device);
-  loop.run(5ms);
-  device.close();
-  EXPECT_EQ(loop.tick().health, core::DeviceHealth::kLost);
-  EXPECT_FALSE(loop.reading().fresh);
-}
-
 }  // namespace
 }  // namespace haptic::hw

@@ -22,11 +22,6 @@ TEST(Substeps, StepsAddUpToTheClock) {
   }
 }
 
-TEST(Substeps, TheFirstCallStartsTheClock) {
-  Substeps substeps;
-  EXPECT_EQ(substeps.advance(core::TimePoint(1000s)), 0);
-}
-
 TEST(Substeps, AJumpSimulatesItsFirstTenth) {
   Substeps substeps;
   EXPECT_EQ(substeps.advance(core::TimePoint(0s)), 0);

@@ -112,21 +112,24 @@ TEST(NearContacts, FingersGapsToSecondOrder) {
   }
 }
 
-constexpr const char* kPoseObjects[] = {
-    R"(<geom type="plane" pos="0 0 -0.05" size="1 1 1"/>)",
-    R"(<geom type="sphere" pos="0.02 0.01 -0.05" size="0.02"/>)",
-    R"(<geom type="capsule" fromto="-1 0.01 -0.05  1 -0.03 -0.06" size="0.02"/>)"};
-
-TEST(NearContacts, PosesGapsToSecondOrder) {
-  for (const char* object : kPoseObjects) {
+TEST(NearContacts, FreeToolsGapsToSecondOrder) {
+  const std::string pose_begin =
+      R"(<body name="tool" pos="0.01 0 0.02" euler="10 20 30"><freejoint/>)";
+  const std::string point_begin =
+      R"(<body><joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
+         <joint type="slide" axis="0 0 1"/><site name="tool"/>)";
+  for (const char* object :
+       {R"(<geom type="plane" pos="0 0 -0.05" size="1 1 1"/>)",
+        R"(<geom type="sphere" pos="0.02 0.01 -0.05" size="0.02"/>)",
+        R"(<geom type="capsule" fromto="-1 0.01 -0.05  1 -0.03 -0.06" size="0.02"/>)"}) {
     for (const char* round : {R"(<geom type="sphere" pos="0.03 0.02 0" size="0.01"/>)",
                               R"(<geom type="sphere" size="0.01"/>)"}) {
       SCOPED_TRACE(std::string(object) + round);
-      Still still(R"(<mujoco><worldbody><body name="tool" pos="0.01 0 0.02" euler="10 20 30">
-                     <freejoint/>)" +
-                      std::string(round) + "</body>" + object + "</worldbody></mujoco>",
-                  {pose("tool", 2)});
-      compare(still, 1e-3, 200.0);
+      const std::string rest = std::string(round) + "</body>" + object + "</worldbody></mujoco>";
+      Still posed("<mujoco><worldbody>" + pose_begin + rest, {pose("tool", 2)});
+      compare(posed, 1e-3, 200.0);
+      Still moved("<mujoco><worldbody>" + point_begin + rest, {point("tool", 0)});
+      compare(moved, 1e-3, 500.0);
     }
   }
 }
@@ -143,17 +146,6 @@ TEST(NearContacts, TwoFingersTouchEachOther) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].contact.gap, 0.03, 1e-12);
   compare(still, 1e-3, 50.0);
-}
-
-TEST(NearContacts, PointsMoveTheirBodies) {
-  Still still(R"(<mujoco><worldbody>
-    <body><joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
-      <joint type="slide" axis="0 0 1"/><site name="pad"/>
-      <geom type="sphere" size="0.01" mass="0.01"/></body>
-    <geom type="sphere" pos="0.02 0.01 -0.05" size="0.02"/>
-  </worldbody></mujoco>)",
-              {point("pad", 0)});
-  compare(still, 1e-3, 500.0);
 }
 
 TEST(NearContacts, PushedObjectHasItsOwnLaw) {

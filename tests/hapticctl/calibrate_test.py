@@ -2,8 +2,8 @@
 """`hapticctl calibrate` between live programs: the board emulator with a potentiometer that has
 drifted and stretches, and a load cell with an offset; hapticd on its pseudo-terminal; the command,
 with this script as the person, who knows the truth because the emulator writes it down. Then
-hapticd with the file that was made, and with a board that is not the file's. How exact the readings
-are afterwards is tested in virtual time, in calibrate_board_test.cpp.
+hapticd with the file that was made, whose readings must be true, and with a board that is not the
+file's.
 
     calibrate_test.py HAPTICD HAPTICCTL HAPTIC-BOARD-EMULATOR SCENE        (package haptic and
     tests/support on PYTHONPATH)
@@ -144,6 +144,15 @@ class Calibrate(unittest.TestCase):
         server = self.server(board, stored)
         with haptic.Connection(server.address) as connection:
             (device,) = connection.devices()
+            with connection.session(
+                client_name="reader", nominal_rate_hz=200, observer=True
+            ) as session:
+                states = [session.wait_for_state() for _ in range(100)]
+        _, l_x, q_B, force = board.rows(0.01)[-1]  # the hand has let go: all rests
+        self.assertAlmostEqual(states[-1].q[0], l_x, delta=1e-4)
+        self.assertAlmostEqual(states[-1].q[1], q_B, delta=5e-3)
+        measured = sum(state.tau_measured[0] for state in states) / len(states)
+        self.assertAlmostEqual(measured, force, delta=0.02)
         self.assertEqual(device.serial, "HX-0042")
         self.assertIn(f'date: "{device.calibrated}"', self.file.read_text())
         again = subprocess.run(

@@ -8,16 +8,12 @@
 #include <cstdio>
 
 #include "doctor/examine.hpp"
-#include "haptic/core/model/finger_exoskeleton.hpp"
-#include "haptic/core/tick/pipeline.hpp"
-#include "tests/support/virtual_board.hpp"
+#include "tests/support/pressed_board.hpp"
 
 namespace haptic::ctl {
 namespace {
 
-using hw::emulator::BoardControl;
-using hw::emulator::EmulatorConfig;
-using hw::emulator::VirtualBoard;
+using test::ForceLaw;
 
 /// Damping of linkage and finger at the rod (hw/README.md), and the damping that the scene renders.
 constexpr double kDeviceDamping = 0.5, kRenderedDamping = 0.0;  // N s/m
@@ -33,12 +29,6 @@ double allowed_stiffness() {
   return std::min(cap.passive, cap.stable);
 }
 
-struct Law {
-  const char* name{};
-  BoardControl control{};
-  core::ForceControlSettings settings{};
-};
-
 using Finger = std::shared_ptr<const core::Kinematics>;
 
 /// How much force and rod still move in the last half second of 7 s of pressing.
@@ -50,79 +40,35 @@ struct Rest {
 };
 
 /// A finger that its hand bends to `pose`, rad, and an object that keeps it 0.2 rad out of it.
-class Press {
- public:
-  Press(const Law& law, double stiffness, const Finger& finger, const core::VecX& pose)
-      : device_(emulator(law), {Eigen::Vector2d::Zero(), Eigen::Vector2d(pose[0], pose[1])},
-                board(), finger),
-        pipeline_(config(law, stiffness, finger)) {
-    input_.settings = pipeline_.config().scene;
-    input_.command.tenure = 1;
-    input_.command.lease_held = true;
-    input_.proxy.tenure = 1;
-    input_.proxy.x = pose - core::VecX::Constant(2, 0.2);
+Rest press(const ForceLaw& law, double stiffness, const Finger& finger, const core::VecX& pose) {
+  constexpr int kPressing = 6500, kLooking = 500;  // ms
+  test::PressedBoard pressed(
+      {.emulator = {.control = law.control},
+       .finger = finger,
+       .aim = pose,
+       .proxy = [&](const core::VecX&) { return core::VecX(pose - core::VecX::Constant(2, 0.2)); },
+       .max_effort = 50.0,  // what the L16 lifts
+       .stiffness = stiffness,
+       .damping = kRenderedDamping,
+       .engage_window = 40.0,
+       .direction_guard = false,
+       .force_control = law.settings});
+  pressed.run_ms(kPressing);
+  Rest rest;
+  const auto& actuator = pressed.board().rig().actuator();
+  double lowest = 1e9, highest = -1e9, first = 1e9, last = -1e9;
+  for (int i = 0; i < kLooking; ++i) {
+    rest.engaged = pressed.tick().life.state == core::LifecycleState::kEngaged && rest.engaged;
+    rest.force += actuator.force() / kLooking;
+    lowest = std::min(lowest, actuator.force());
+    highest = std::max(highest, actuator.force());
+    first = std::min(first, actuator.x());
+    last = std::max(last, actuator.x());
   }
-
-  core::TickRecord tick() {
-    input_.now += std::chrono::milliseconds(1);
-    device_.read(input_.now, input_.device);
-    if (input_.proxy.gapless_samples++ == 0) input_.proxy.gapless_since = input_.now;
-    // Free at first: the finger came from outside.
-    input_.proxy.mode = ++input_.proxy.seq == 1 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
-    input_.proxy.born = input_.now;
-    if (state_ == core::LifecycleState::kArmed) ++input_.command.engage_id;
-    const core::TickRecord record = pipeline_.tick(input_);
-    state_ = record.life.state;
-    device_.write(input_.now,
-                  {record.life.arm,
-                   record.effort.drive.size() > 0 ? record.effort.drive : record.effort.tau_a,
-                   record.effort.position});
-    return record;
-  }
-
-  Rest rest() {
-    constexpr int kPressing = 6500, kLooking = 500;  // ms
-    for (int i = 0; i < kPressing; ++i) static_cast<void>(tick());
-    Rest rest;
-    const auto& actuator = device_.board().rig().actuator();
-    double lowest = 1e9, highest = -1e9, first = 1e9, last = -1e9;
-    for (int i = 0; i < kLooking; ++i) {
-      rest.engaged = tick().life.state == core::LifecycleState::kEngaged && rest.engaged;
-      rest.force += actuator.force() / kLooking;
-      lowest = std::min(lowest, actuator.force());
-      highest = std::max(highest, actuator.force());
-      first = std::min(first, actuator.x());
-      last = std::max(last, actuator.x());
-    }
-    rest.ripple = highest - lowest;
-    rest.travel = last - first;
-    return rest;
-  }
-
- private:
-  static EmulatorConfig emulator(const Law& law) { return {.control = law.control}; }
-  static hw::BoardConfig board() {
-    hw::BoardConfig config;
-    config.max_effort = core::VecA::Constant(1, 50.0);  // what the L16 lifts
-    return config;
-  }
-  [[nodiscard]] core::PipelineConfig config(const Law& law, double stiffness,
-                                            const Finger& finger) const {
-    core::PipelineConfig config{.kinematics = finger, .device = device_.info().limits};
-    config.scene.stiffness = core::VecA::Constant(1, stiffness);
-    config.scene.damping = core::VecA::Constant(1, kRenderedDamping);
-    config.scene.force_limit = core::VecA::Constant(1, 20.0);
-    config.scene.slew_limit = core::VecA::Constant(1, 2000.0);
-    config.scene.engage_window = core::VecA::Constant(1, 40.0);
-    config.force_control = law.settings;
-    return config;
-  }
-
-  VirtualBoard device_;
-  core::Pipeline pipeline_;
-  core::TickInput input_{};
-  core::LifecycleState state_{core::LifecycleState::kInit};
-};
+  rest.ripple = highest - lowest;
+  rest.travel = last - first;
+  return rest;
+}
 
 /// The worst of every pose of the grid.
 struct Worst {
@@ -130,7 +76,7 @@ struct Worst {
   double force{0.0}, ripple{0.0}, travel{0.0};
 };
 
-Worst over_the_workspace(const Law& law, double stiffness,
+Worst over_the_workspace(const ForceLaw& law, double stiffness,
                          const core::FingerDimensions& dimensions) {
   const Finger finger = core::make_finger_exoskeleton(dimensions);
   Worst worst;
@@ -139,7 +85,7 @@ Worst over_the_workspace(const Law& law, double stiffness,
       const core::VecX pose = (core::VecX(2) << mcp, pip).finished();
       core::VecQ q;
       if (finger->inverse(pose, q) != core::InverseStatus::kExact) continue;
-      const Rest rest = Press(law, stiffness, finger, pose).rest();
+      const Rest rest = press(law, stiffness, finger, pose);
       ++worst.poses;
       worst.engaged += rest.engaged ? 1 : 0;
       worst.force = std::max(worst.force, std::abs(rest.force));
@@ -152,9 +98,7 @@ Worst over_the_workspace(const Law& law, double stiffness,
   return worst;
 }
 
-const Law kLaws[] = {
-    {"server {}", BoardControl::kDrive, {{{20.0, 100.0, 15.0, 2.0, 50.0}}, {}}},
-    {"admittance {}", BoardControl::kPosition, {{}, {{0.0, 150.0, 0.03, 0.0, 0.0335}}}}};
+const ForceLaw kLaws[] = {test::kServerLoop, test::kAdmittance};
 
 TEST(DoctorsCap, IsStableOverTheWorkspace) {
   const double stiffness = allowed_stiffness();
@@ -163,7 +107,7 @@ TEST(DoctorsCap, IsStableOverTheWorkspace) {
   ASSERT_NEAR(stiffness, 1000.0, 1e-6);
   for (const core::FingerDimensions& linkage :
        {core::FingerDimensions{}, core::finger_sign_change()}) {
-    for (const Law& law : kLaws) {
+    for (const ForceLaw& law : kLaws) {
       const Worst worst = over_the_workspace(law, stiffness, linkage);
       EXPECT_GE(worst.poses, 12);
       EXPECT_EQ(worst.engaged, worst.poses);
@@ -177,7 +121,7 @@ TEST(DoctorsCap, IsStableOverTheWorkspace) {
 /// The positive control: the test above fails at four times the stiffness on one linkage. On the
 /// other the press comes to rest there too.
 TEST(DoctorsCap, FourTimesTheCapIsNot) {
-  for (const Law& law : kLaws) {
+  for (const ForceLaw& law : kLaws) {
     const double stiffness = 4.0 * allowed_stiffness();
     EXPECT_GT(over_the_workspace(law, stiffness, core::finger_sign_change()).ripple, 2.0);
   }

@@ -14,6 +14,15 @@ class Callback : public WithServer {
     session = open(std::move(options));
     mine = session.get();
   }
+  /// Returns once the callback is done, without an answer to the Engage under way.
+  void call_back_while_engaging(const client::SessionOptions& options) {
+    server.hold_engage(true);
+    open_mine(options);
+    session->engage_when_ready();
+    ASSERT_TRUE(server.until([&] { return server.heard().engages == 1; }));
+    server.send_state(1);
+    ASSERT_TRUE(server.until([&] { return done.load(); })) << "the callback waits for an answer";
+  }
   /// For a callback: the session, once open_mine() has it.
   client::Session& wait_for_mine() {
     static_cast<void>(server.until([&] { return mine != nullptr; }));
@@ -30,17 +39,12 @@ using Opening = WithServer;
 using client::ErrorReason;
 
 TEST_F(Callback, ReleaseInCallbackDoesNotWait) {
-  server.hold_engage(true);
   client::SessionOptions options;
   options.on_state = [&](const client::DeviceState&) {
     wait_for_mine().release();
     done = true;
   };
-  open_mine(options);
-  session->engage_when_ready();
-  ASSERT_TRUE(server.until([&] { return server.heard().engages == 1; }));
-  server.send_state(1);
-  ASSERT_TRUE(server.until([&] { return done.load(); })) << "the callback waits for an answer";
+  call_back_while_engaging(options);
   EXPECT_EQ(server.heard().releases, 1U);
   server.hold_engage(false);
   EXPECT_TRUE(server.until([&] { return server.heard().releases == 2; }))
@@ -48,7 +52,6 @@ TEST_F(Callback, ReleaseInCallbackDoesNotWait) {
 }
 
 TEST_F(Callback, EngageAfterReleaseInCallbackCounts) {
-  server.hold_engage(true);
   client::SessionOptions options;
   options.on_state = [&](const client::DeviceState& state) {
     client::Session& own = wait_for_mine();
@@ -57,11 +60,7 @@ TEST_F(Callback, EngageAfterReleaseInCallbackCounts) {
     own.engage_when_ready();
     done = true;
   };
-  open_mine(options);
-  session->engage_when_ready();
-  ASSERT_TRUE(server.until([&] { return server.heard().engages == 1; }));
-  server.send_state(1);
-  ASSERT_TRUE(server.until([&] { return done.load(); }));
+  call_back_while_engaging(options);
   server.hold_engage(false);
   EXPECT_TRUE(server.until([&] { return server.heard().engages >= 2; }))
       << "the last word was: engage";

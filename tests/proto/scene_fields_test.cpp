@@ -1,5 +1,4 @@
 // Every field of a scene is shown in a shipped scene or in one of server/scenes/fragments.
-#include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include "haptic/v1/calibration.pb.h"
 #include "haptic/v1/scene.pb.h"
 #include "tests/proto/markdown.hpp"
+#include "tests/support/message_text.hpp"
 
 namespace haptic::test {
 namespace {
@@ -59,13 +59,6 @@ void strike(const Message& message, std::set<const FieldDescriptor*>& fields) {
   }
 }
 
-template <typename M>
-M parsed(const fs::path& file) {
-  M message;
-  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(read_text(file), &message)) << file;
-  return message;
-}
-
 TEST(SceneFeatures, EachFieldIsShownSomewhere) {
   std::set<const FieldDescriptor*> fields;
   collect(*v1::Scene::descriptor(), fields);
@@ -73,9 +66,9 @@ TEST(SceneFeatures, EachFieldIsShownSomewhere) {
   EXPECT_GT(fields.size(), 200u);
   for (const fs::path& file : scenes_and_fragments()) {
     if (is_calibration(file)) {
-      strike(parsed<v1::Calibration>(file), fields);
+      strike(from_text<v1::Calibration>(read_text(file)), fields);
     } else {
-      strike(parsed<v1::Scene>(file), fields);
+      strike(from_text<v1::Scene>(read_text(file)), fields);
     }
   }
   for (const FieldDescriptor* field : fields) ADD_FAILURE() << field->full_name();

@@ -1,5 +1,7 @@
 #include "tests/client/support/fake_streams.hpp"
 
+#include "tests/support/message_text.hpp"
+
 namespace haptic::test {
 
 grpc::ServerBidiReactor<v1::SessionRequest, v1::SessionResponse>* FakeServer::Session(
@@ -71,19 +73,11 @@ void FakeServer::WatchReactor::OnDone() {
 grpc::Status FakeServer::ListDevices(grpc::ServerContext* /*context*/,
                                      const v1::ListDevicesRequest* /*request*/,
                                      v1::ListDevicesResponse* response) {
-  v1::Device& device = *response->add_devices();
-  device.set_name("finger");
-  v1::DegreeOfFreedom& dof = *device.add_dofs();
-  dof.set_name("l_x");
-  dof.set_unit("m");
-  dof.set_actuated(true);
-  dof.set_upper(0.05);
-  for (const char* joint : {"mcp", "pip"}) {
-    v1::VirtualCoordinate& coordinate = *device.add_coordinates();
-    coordinate.set_name(joint);
-    coordinate.set_unit("rad");
-    coordinate.set_kind("linear");
-  }
+  *response = from_text<v1::ListDevicesResponse>(R"(devices {
+    name: "finger"
+    dofs { name: "l_x" unit: "m" actuated: true upper: 0.05 }
+    coordinates { name: "mcp" unit: "rad" kind: "linear" }
+    coordinates { name: "pip" unit: "rad" kind: "linear" } })");
   return grpc::Status::OK;
 }
 
@@ -112,13 +106,9 @@ grpc::Status FakeServer::UpdateSettings(grpc::ServerContext* /*context*/,
                                         v1::UpdateSettingsResponse* response) {
   const Lock lock(mutex_);
   heard_.update = *request;
-  response->add_stiffness(400.0);
-  response->set_renderer(v1::RENDERER_SUBSPACE_LINEAR);
-  auto& clamp = *response->add_clamped();
-  clamp.set_field("stiffness[0]");
-  clamp.set_asked(900.0);
-  clamp.set_applied(400.0);
-  clamp.set_why("the scene's limit");
+  *response = from_text<v1::UpdateSettingsResponse>(R"(
+    stiffness: 400 renderer: RENDERER_SUBSPACE_LINEAR
+    clamped { field: "stiffness[0]" asked: 900 applied: 400 why: "the scene's limit" })");
   return grpc::Status::OK;
 }
 

@@ -10,6 +10,7 @@
 #include "haptic/wire/path_machine.hpp"
 #include "tests/proto/markdown.hpp"
 #include "tests/proto/wire/hex.hpp"
+#include "tests/support/message_text.hpp"
 
 namespace haptic::wire {
 namespace {
@@ -93,17 +94,10 @@ TEST(UdpVectors, PayloadsMatchTheDocumentedMessages) {
   const auto text = [](const ByteVector& bytes) { return std::string(bytes.begin(), bytes.end()); };
   v1::ProxySample sample;
   ASSERT_TRUE(sample.ParseFromString(text(vectors.at(0).payload)));
-  EXPECT_EQ(sample.seq(), 7U);
-  EXPECT_EQ(sample.mode(), v1::PROXY_MODE_HELD);
-  ASSERT_EQ(sample.position_size(), 2);
-  EXPECT_EQ(sample.position(0), 0.01);
-  EXPECT_EQ(sample.position(1), -0.02);
+  test::expect_text(sample, "seq: 7 mode: PROXY_MODE_HELD position: [0.01, -0.02]");
   v1::DeviceState state;
   ASSERT_TRUE(state.ParseFromString(text(vectors.at(1).payload)));
-  EXPECT_EQ(state.seq(), 1000U);
-  EXPECT_EQ(state.server_time_ns(), 2'000'000'000);
-  ASSERT_EQ(state.x_probe_size(), 1);
-  EXPECT_EQ(state.x_probe(0), 0.25);
+  test::expect_text(state, "seq: 1000 server_time_ns: 2000000000 x_probe: 0.25");
   EXPECT_EQ(read_challenge(vectors.at(2).payload)->token, 0x0123456789abcdefU);
   const auto response = read_response(vectors.at(3).payload);
   ASSERT_TRUE(response);

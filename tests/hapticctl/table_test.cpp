@@ -47,9 +47,10 @@ client::DeviceState full_state() {
   return client::to_state(full_message());
 }
 
-std::string shown(const client::DeviceState& state, std::size_t width) {
+std::string shown(const client::DeviceState& state, std::size_t width,
+                  const client::DeviceInfo& device = slider()) {
   std::string all;
-  for (const std::string& row : table(slider(), state, 1.5, 3, width)) all += row + "\n";
+  for (const std::string& row : table(device, state, 1.5, 3, width)) all += row + "\n";
   return all;
 }
 
@@ -83,9 +84,7 @@ TEST(Table, SaysWhyStiffnessIsDerated) {
   state.derating_delay = std::chrono::milliseconds(50);
   const char* const kWords = "  K slide 1500 -> 820 N/m: proxy held, 50 ms old";
   EXPECT_THAT(line(device, state, 1.5), HasSubstr(kWords));
-  std::string all;
-  for (const std::string& row : table(device, state, 1.5, 3, 79)) all += row + "\n";
-  EXPECT_THAT(all, HasSubstr(std::string(kWords) + "\n"));
+  EXPECT_THAT(shown(state, 79, device), HasSubstr(std::string(kWords) + "\n"));
 }
 
 TEST(Table, KeepsWithinItsWidth) {

@@ -19,14 +19,14 @@ using Vector = std::vector<double>;
 constexpr double kRigid = std::numeric_limits<double>::infinity();
 constexpr double kRadius = 0.03;
 
-/// A ball around the origin that the point (x, y, z) meets; negative radius: a hollow one.
+/// A ball around the origin that the point (x, y, z) meets.
 ContactsAt ball(double stiffness, double radius = kRadius) {
   return [=](const Vector& x) {
     Contact c{.point = point_itself(x), .stiffness = stiffness, .id = 1};
-    const double from = std::hypot(x[0], x[1], x[2]), out = radius > 0.0 ? from : -from;
-    for (std::size_t i = 0; i < 3; ++i) c.normal[i] = x[i] / out;
-    c.gap = out - radius;
-    c.curvature = sphere_curvature(c.normal, out);
+    const double from = std::hypot(x[0], x[1], x[2]);
+    for (std::size_t i = 0; i < 3; ++i) c.normal[i] = x[i] / from;
+    c.gap = from - radius;
+    c.curvature = sphere_curvature(c.normal, from);
     return std::vector<Contact>{c};
   };
 }

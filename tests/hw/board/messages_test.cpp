@@ -14,6 +14,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr std::uint32_t kSession = 0x11223344, kNonce = 0xA1B2C3D4;
 
 template <typename Message>
@@ -100,34 +101,28 @@ TEST(BoardMessages, OtherLengthsAreRefused) {
   });
 }
 
+/// True if `message` can be read back after `change`.
+template <typename Message, typename Change>
+bool readable(Message message, Change change) {
+  change(message);
+  return read<Message>(bytes_of(message)).has_value();
+}
+
 TEST(BoardMessages, ANonFiniteCommandIsRefused) {
-  Command c = command();
-  for (const float value :
-       {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-    c.value[0] = value;
-    EXPECT_FALSE(read<Command>(bytes_of(c)));
-  }
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  EXPECT_FALSE(readable(command(), [](Command& c) { c.value[0] = kNan; }));
+  EXPECT_FALSE(readable(command(), [](Command& c) { c.value[0] = kInfinity; }));
 }
 
 TEST(BoardMessages, RefusesOnlyANonFiniteForce) {
-  State s = state();
-  s.force[0] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_FALSE(read<State>(bytes_of(s)));
-  s = state();
-  s.q[0] = std::numeric_limits<float>::quiet_NaN();
-  ASSERT_TRUE(read<State>(bytes_of(s)));
+  EXPECT_FALSE(readable(state(), [](State& s) { s.force[0] = kNan; }));
+  EXPECT_TRUE(readable(state(), [](State& s) { s.q[0] = kNan; }));
 }
 
 TEST(BoardMessages, ImpossibleCountsAreRefused) {
-  Identity i = identity();
-  i.n_a = 3;
-  EXPECT_FALSE(read<Identity>(bytes_of(i)));
-  i = identity();
-  i.n_q = kMaxDofs + 1;
-  EXPECT_FALSE(read<Identity>(bytes_of(i)));
-  i = identity();
-  i.watchdog_us = 0;
-  EXPECT_FALSE(read<Identity>(bytes_of(i)));
+  EXPECT_FALSE(readable(identity(), [](Identity& i) { i.n_a = 3; }));
+  EXPECT_FALSE(readable(identity(), [](Identity& i) { i.n_q = kMaxDofs + 1; }));
+  EXPECT_FALSE(readable(identity(), [](Identity& i) { i.watchdog_us = 0; }));
   Bytes lying = test::vector("STATE").payload;
   lying[20] = 3;  // n_q, of a payload that has two
   EXPECT_FALSE(read<State>(lying));
@@ -135,15 +130,9 @@ TEST(BoardMessages, ImpossibleCountsAreRefused) {
 
 TEST(BoardMessages, ADofNeedsRangeAndLimit) {
   const Dof good{0, false, true, 0.0F, 0.05F, 40.0F, 0.03125F, "l_x"};
-  Dof dof = good;
-  dof.upper = dof.lower;
-  EXPECT_FALSE(read<Dof>(bytes_of(dof)));
-  dof = good;
-  dof.max_effort = 0.0F;
-  EXPECT_FALSE(read<Dof>(bytes_of(dof)));
-  dof = good;
-  dof.name.clear();
-  EXPECT_FALSE(read<Dof>(bytes_of(dof)));
+  EXPECT_FALSE(readable(good, [](Dof& dof) { dof.upper = dof.lower; }));
+  EXPECT_FALSE(readable(good, [](Dof& dof) { dof.max_effort = 0.0F; }));
+  EXPECT_FALSE(readable(good, [](Dof& dof) { dof.name.clear(); }));
 }
 
 TEST(BoardMessages, TextIsCleanedWhereItEnters) {

@@ -38,10 +38,12 @@ class FirmwareBoard : public testing::Test {
   }
   void hello(std::uint32_t session = 77) { send(FrameType::kHello, Hello{1, session}); }
   void arm(std::uint32_t nonce = 5) { send(FrameType::kArm, Arm{nonce}); }
+  static Command wish(float value, std::uint32_t nonce = 5,
+                      CommandKind kind = CommandKind::kForce) {
+    return {nonce, kind, 1, {value}};
+  }
   void command(float force, std::uint32_t nonce = 5) {
-    Command c{nonce, CommandKind::kForce, 1, {}};
-    c.value[0] = force;
-    send(FrameType::kCommand, c);
+    send(FrameType::kCommand, wish(force, nonce));
   }
   /// A session, armed under nonce 5, with this force commanded.
   void press(float force) {
@@ -175,8 +177,7 @@ TEST_F(FirmwareBoard, OnlyCommandsRestartTheWatchdog) {
     now_ += 1000;
     hello();            // a host that lives, but commands nothing
     command(3.0F, 99);  // wrong nonce
-    Command bad{5, CommandKind::kForce, 1, {std::numeric_limits<float>::quiet_NaN()}};
-    send(FrameType::kCommand, bad);
+    command(std::numeric_limits<float>::quiet_NaN());
     Command two{5, CommandKind::kForce, 2, {}};
     send(FrameType::kCommand, two);
   }
@@ -187,19 +188,15 @@ TEST_F(FirmwareBoard, OnlyCommandsRestartTheWatchdog) {
 TEST_F(FirmwareBoard, OldFramesAreDroppedAndCounted) {
   press(1.0F);
   const std::uint32_t last = seq_;
-  Command old{5, CommandKind::kForce, 1, {}};
-  old.value[0] = 9.0F;
-  send_as(last, FrameType::kCommand, old);
-  send_as(last - 1, FrameType::kCommand, old);
+  send_as(last, FrameType::kCommand, wish(9.0F));
+  send_as(last - 1, FrameType::kCommand, wish(9.0F));
   EXPECT_EQ(reference(), 1.0F);
   EXPECT_EQ(board_.counters.not_newer, 2U);
 }
 
 TEST_F(FirmwareBoard, CorruptFramesAreDroppedAndCounted) {
   press(1.0F);
-  Command c{5, CommandKind::kForce, 1, {}};
-  c.value[0] = 9.0F;
-  const Payload payload = write(c);
+  const Payload payload = write(wish(9.0F));
   WireBuffer wire;
   const std::size_t length = encode({FrameType::kCommand, ++seq_, payload.view()}, wire);
   wire[length - 3] ^= 0x10;  // within the CRC
@@ -299,12 +296,11 @@ TEST_F(FirmwareBoard, SendsCountersTenTimesASecond) {
 TEST_F(FirmwareBoard, PositionsNeedTheCapability) {
   hello();
   arm();
-  Command c{5, CommandKind::kPosition, 1, {}};
-  c.value[0] = 0.02F;
-  send(FrameType::kCommand, c);
+  const Command position = wish(0.02F, 5, CommandKind::kPosition);
+  send(FrameType::kCommand, position);
   EXPECT_FALSE(reference());
   config_.capabilities |= HB_POSITION_COMMAND;
-  send(FrameType::kCommand, c);
+  send(FrameType::kCommand, position);
   EXPECT_EQ(reference(), 0.02F);
 }
 

@@ -85,9 +85,15 @@ bool always(int /*number*/, const DueChallenge& /*challenge*/) {
   return true;
 }
 
-Rig rig_in_use(Duration since = 100ms) {
+/// It begins with the next run().
+Rig started() {
   Rig rig;
   rig.machine.start(kServer, rig.now);
+  return rig;
+}
+
+Rig rig_in_use(Duration since = 100ms) {
+  Rig rig = started();
   static_cast<void>(rig.run(since));
   EXPECT_TRUE(rig.machine.in_use());
   return rig;
@@ -95,9 +101,8 @@ Rig rig_in_use(Duration since = 100ms) {
 
 /// Its challenges get no answer.
 Rig unanswered_rig() {
-  Rig rig;
+  Rig rig = started();
   rig.lost = always;
-  rig.machine.start(kServer, rig.now);
   return rig;
 }
 
@@ -110,8 +115,7 @@ TEST(PathMachine, IsSilentBeforeItIsStarted) {
 }
 
 TEST(PathMachine, NeedsFourAnsweredChallenges) {
-  Rig rig;
-  rig.machine.start(kServer, rig.now);
+  Rig rig = started();
   EXPECT_EQ(rig.run(70ms), Changes{});  // sent at 0, 20, 40, 60; answered 10 ms later
   EXPECT_EQ(rig.machine.state(), PathState::kProbing);
   EXPECT_FALSE(rig.machine.in_use());
@@ -133,9 +137,8 @@ TEST(PathMachine, ChallengesFillTheLargestDatagram) {
 
 TEST(PathMachine, ForgivesOneLostChallengeNotTwo) {
   for (const int losses : {0, 1, 2, 3}) {
-    Rig rig;
+    Rig rig = started();
     rig.lost = [losses](int number, const DueChallenge&) { return number <= losses; };
-    rig.machine.start(kServer, rig.now);
     const Changes changes = rig.run(600ms);
     EXPECT_EQ(changes, Changes{losses <= 1 ? PathChange::kUp : PathChange::kRefused}) << losses;
   }
@@ -161,10 +164,9 @@ TEST(PathMachine, OverdueAnswerCausesDoubt) {
 }
 
 TEST(PathMachine, VaryingRoundTripCausesNoDoubt) {
-  Rig rig;
+  Rig rig = started();
   // Five answers after 10 ms, five after 80 ms, again and again: beyond a smoothed one and 30 ms.
   rig.rtt_of = [](int number) { return number / 5 % 2 == 0 ? Duration(10ms) : Duration(80ms); };
-  rig.machine.start(kServer, rig.now);
   static_cast<void>(rig.run(1s));
   int doubts = 0;
   for (int i = 0; i < 5000; ++i) {
@@ -177,9 +179,8 @@ TEST(PathMachine, VaryingRoundTripCausesNoDoubt) {
 }
 
 TEST(PathMachine, ARepeatedAnswerCountsOnce) {
-  Rig rig;
+  Rig rig = started();
   rig.lost = [](int number, const DueChallenge&) { return number > 1; };
-  rig.machine.start(kServer, rig.now);
   static_cast<void>(rig.run(1ms));
   const Rig::Answer answer = rig.answers.front();
   for (int i = 0; i < 10; ++i) {
@@ -189,9 +190,8 @@ TEST(PathMachine, ARepeatedAnswerCountsOnce) {
 }
 
 TEST(PathMachine, ForeignOrUnaskedAnswerProvesNothing) {
-  Rig rig;
+  Rig rig = started();
   rig.answers_from = kElsewhere;
-  rig.machine.start(kServer, rig.now);
   EXPECT_EQ(rig.run(600ms), Changes{PathChange::kRefused});
   Rig guessing = unanswered_rig();
   static_cast<void>(guessing.run(10ms));
@@ -250,9 +250,8 @@ TEST(PathMachine, ReturnsAfterTheBackOff) {
 
 TEST(PathMachine, ProvenPathResetsItsBackOff) {
   const auto pause_after = [](Duration in_use) {
-    Rig rig;
+    Rig rig = started();
     rig.lost = [](int number, const DueChallenge&) { return number <= 10; };  // two rounds fail
-    rig.machine.start(kServer, rig.now);
     while (!rig.machine.in_use()) static_cast<void>(rig.run(1ms));
     static_cast<void>(rig.run(in_use));
     rig.lost = always;
@@ -267,8 +266,7 @@ TEST(PathMachine, ProvenPathResetsItsBackOff) {
 
 TEST(PathMachine, FallsBackOn30PercentLoss) {
   for (const double delivered : {0.75, 0.65}) {
-    Rig rig;
-    rig.machine.start(kServer, rig.now);
+    Rig rig = started();
     rig.delivered = delivered;
     const TimePoint begin = rig.now;
     Changes changes;
@@ -327,9 +325,8 @@ TEST(PathMachine, CloseTurnsItOffForGood) {
 }
 
 TEST(PathMachine, IsIdleUntilItsNextStep) {
-  Rig rig;
+  Rig rig = started();
   rig.lost = [](int number, const DueChallenge&) { return number % 7 == 0; };
-  rig.machine.start(kServer, rig.now);
   for (int ms = 0; ms < 20'000; ++ms) {
     const TimePoint named = rig.machine.next_step();
     const std::size_t sent = rig.sent.size();

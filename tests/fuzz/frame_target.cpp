@@ -15,9 +15,34 @@ using hw::board::FrameDecoder;
 enum LinkStep : std::uint8_t {
   kBytes = 0,         ///< bytes as they stand
   kFrame = 1,         ///< type, number (4), payload: a frame, written by both encoders
-  kDamagedFrame = 2,  ///< the same, and one bit is flipped: the first two bytes say which
+  kDamagedFrame = 2,  ///< the same, damaged: the first two bytes say where and how
   kLinkSteps = 3,
 };
+
+struct Written {
+  std::uint8_t type;
+  std::uint32_t seq;
+  FuzzBytes payload;
+};
+
+/// Flips a bit, or cuts its byte out, doubles it, or ends the frame with it.
+void damage(FuzzBytes& wire, std::size_t where) {
+  const auto at = wire.begin() + static_cast<std::ptrdiff_t>(where / 8 % wire.size());
+  switch (where >> 14U) {
+    case 0:
+      *at ^= static_cast<std::uint8_t>(1U << where % 8);
+      break;
+    case 1:
+      wire.erase(at);
+      break;
+    case 2:
+      wire.insert(at, *at);
+      break;
+    default:
+      wire.erase(at, wire.end());
+      break;
+  }
+}
 
 class Link {
  public:
@@ -27,7 +52,9 @@ class Link {
       const auto what = static_cast<LinkStep>(reader.byte() % kLinkSteps);
       FuzzReader step(reader.take(reader.byte()));
       if (what == kBytes) {
+        written_.clear();  // they may be any frame
         while (!step.empty() && finding_.empty()) push(step.byte());
+        push(0);
       } else {
         frame(step, what == kDamagedFrame);
       }
@@ -37,27 +64,31 @@ class Link {
 
  private:
   void frame(FuzzReader& step, bool damaged) {
-    const std::size_t bit = damaged ? step.number(2) : 0;
-    const std::uint8_t type = step.byte();
-    const auto seq = static_cast<std::uint32_t>(step.number(4));
-    FuzzBytes payload;
-    while (!step.empty()) payload.push_back(step.byte());
+    const std::size_t where = damaged ? step.number(2) : 0;
+    Written frame{step.byte(), static_cast<std::uint32_t>(step.number(4)), {}};
+    while (!step.empty()) frame.payload.push_back(step.byte());
+    FuzzBytes bytes = encoded(frame);
+    const bool must_be_read = !damaged && !bytes.empty();
+    if (damaged && !bytes.empty()) damage(bytes, where);
+    // A frame without its last zero ends with the first one of the next.
+    if (written_.size() > 1) written_.erase(written_.begin());
+    written_.push_back(std::move(frame));
+    read_ = false;
+    for (const std::uint8_t byte : bytes) push(byte);
+    if (must_be_read && !read_) finding_ = "an undamaged frame was not read";
+  }
+
+  FuzzBytes encoded(const Written& frame) {
     hw::board::WireBuffer wire;
     std::array<std::uint8_t, HF_MAX_WIRE> c_wire{};
-    const std::size_t size =
-        hw::board::encode({static_cast<hw::board::FrameType>(type), seq, payload}, wire);
-    const std::size_t c_size = hf_encode(type, seq, payload.data(), payload.size(), c_wire.data());
+    const std::size_t size = hw::board::encode(
+        {static_cast<hw::board::FrameType>(frame.type), frame.seq, frame.payload}, wire);
+    const std::size_t c_size =
+        hf_encode(frame.type, frame.seq, frame.payload.data(), frame.payload.size(), c_wire.data());
     if (size != c_size || !std::equal(wire.begin(), wire.begin() + size, c_wire.begin())) {
       finding_ = "the encoders differ";
     }
-    if (damaged && size > 0) {
-      wire[bit / 8 % size] ^= static_cast<std::uint8_t>(1U << bit % 8);
-    }
-    frames_ = 0;
-    for (std::size_t i = 0; i < size && finding_.empty(); ++i) push(wire[i]);
-    if (!damaged && size > 0 && finding_.empty() && frames_ == 0) {
-      finding_ = "an undamaged frame was not read";
-    }
+    return {wire.begin(), wire.begin() + size};
   }
 
   void push(std::uint8_t byte) {
@@ -66,13 +97,20 @@ class Link {
       finding_ = "the decoders differ";
     }
     if (event != FrameDecoder::Event::kFrame) return;
-    ++frames_;
     const hw::board::Frame& frame = decoder_.frame();
-    if (static_cast<std::uint8_t>(frame.type) != c_decoder_.type || frame.seq != c_decoder_.seq ||
-        !std::equal(frame.payload.begin(), frame.payload.end(), c_decoder_.payload,
-                    c_decoder_.payload + c_decoder_.payload_length)) {
+    const auto is = [&](std::uint8_t type, std::uint32_t seq, FuzzInput payload) {
+      return static_cast<std::uint8_t>(frame.type) == type && frame.seq == seq &&
+             std::ranges::equal(frame.payload, payload);
+    };
+    if (!is(c_decoder_.type, c_decoder_.seq, {c_decoder_.payload, c_decoder_.payload_length})) {
       finding_ = "the decoders read different frames";
     }
+    bool known = written_.empty();
+    for (const Written& each : written_) {
+      read_ = is(each.type, each.seq, each.payload);
+      known = known || read_;
+    }
+    if (!known) finding_ = "a frame was read that no encoder wrote";
     read_messages(frame.payload);
   }
 
@@ -89,11 +127,13 @@ class Link {
 
   FrameDecoder decoder_{};
   hf_decoder c_decoder_{};
-  std::size_t frames_{0};
+  std::vector<Written> written_{};  ///< the last two frames; none after bytes as they stand
+  bool read_{false};                ///< the last of them
   std::string finding_{};
 };
 
-/// A frame of each type, with a payload of each length that a message may have, and raw bytes.
+/// A frame of each type, with a payload of each length that a message may have, raw bytes, and each
+/// kind of damage.
 std::vector<FuzzBytes> frame_seeds() {
   std::vector<FuzzBytes> seeds;
   for (const std::uint8_t type : FuzzBytes{0x01, 0x02, 0x03, 0x04, 0x81, 0x82, 0x83, 0x84}) {
@@ -103,6 +143,9 @@ std::vector<FuzzBytes> frame_seeds() {
       seed.insert(seed.end(), size, size);
     }
     seed.insert(seed.end(), {kBytes, 4, 0, 3, type, 0});
+    for (const std::uint8_t how : FuzzBytes{0x00, 0x40, 0x80, 0xC0}) {
+      seed.insert(seed.end(), {kDamagedFrame, 9, how, type, type, 0, 0, 0, 1, how, 2});
+    }
     seeds.push_back(std::move(seed));
   }
   return seeds;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <bit>
 
 #include "tests/fuzz/targets.hpp"
 
@@ -20,10 +19,6 @@ std::uint64_t FuzzReader::number(int bytes) {
   std::uint64_t value = 0;
   for (int i = 0; i < bytes; ++i) value = value << 8U | byte();
   return value;
-}
-
-double FuzzReader::real() {
-  return std::bit_cast<double>(number(8));
 }
 
 }  // namespace haptic::test

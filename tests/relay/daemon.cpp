@@ -54,39 +54,33 @@ std::uint16_t free_port(int type) {
 
 /// A late tick is no fault here, so that a busy host does not end the run; it is counted instead.
 std::string scene(std::uint16_t udp_port, std::uint16_t web_port,
-                  const std::filesystem::path& folder, const std::string& device) {
-  return R"(name: "a device behind a relay"
+                  const std::filesystem::path& folder) {
+  const auto number = [](auto value) { return std::to_string(value); };
+  return R"(name: "a finger behind a relay"
 loop { loop_late_fault { seconds: 5 } late_bucket_full: 1000000 }
 server { udp_listen: "127.0.0.1:)" +
-         std::to_string(udp_port) + R"("
+         number(udp_port) + R"("
   web { listen: "127.0.0.1:)" +
-         std::to_string(web_port) + R"(" name: "127.0.0.2" token { name: "client" file: ")" +
+         number(web_port) + R"(" name: "127.0.0.2" token { name: "client" file: ")" +
          (folder / "token").string() + R"(" rights: "primary" } } }
 record { file: ")" +
-         (folder / "record.csv").string() + "\" }\ndevice {\n" + device + "}\n";
-}
-
-std::string finger() {
-  return R"(  name: "finger"
+         (folder / "record.csv").string() + R"(" }
+device {
+  name: "finger"
   simulated_finger { target_mcp_rad: )" +
-         std::to_string(Daemon::kTarget) + " target_pip_rad: " + std::to_string(Daemon::kTarget) +
-         R"( }
+         number(Daemon::kTarget) + " target_pip_rad: " + number(Daemon::kTarget) + R"( }
   finger_exoskeleton {}
   direction_guard {}
   impedance { stiffness_n_per_m: 1500 damping_n_s_per_m: 0.5 }
   limits { force_n: )" +
-         std::to_string(Daemon::kForceLimit) + " slew_n_per_s: " + std::to_string(Daemon::kSlew) +
-         R"( }
+         number(Daemon::kForceLimit) + " slew_n_per_s: " + number(Daemon::kSlew) + R"( }
   passivity { tank { initial_j: )" +
-         std::to_string(Daemon::kTank) + " capacity_j: " + std::to_string(Daemon::kTank) + " } }\n";
+         number(Daemon::kTank) + " capacity_j: " + number(Daemon::kTank) + " } } }\n";
 }
 
 }  // namespace
 
 Daemon::Daemon(std::vector<std::string> arguments)
-    : Daemon(Device{finger()}, std::move(arguments)) {}
-
-Daemon::Daemon(const Device& device, std::vector<std::string> arguments)
     : tcp_port_(free_port(SOCK_STREAM)),
       udp_port_(free_port(SOCK_DGRAM)),
       web_port_(free_port(SOCK_STREAM)) {
@@ -94,7 +88,7 @@ Daemon::Daemon(const Device& device, std::vector<std::string> arguments)
   const auto token = folder_.path() / "token", file = folder_.path() / "scene.textproto";
   std::ofstream(token) << kToken;
   std::filesystem::permissions(token, std::filesystem::perms::owner_read);
-  std::ofstream(file) << scene(udp_port_, web_port_, folder_.path(), device.text);
+  std::ofstream(file) << scene(udp_port_, web_port_, folder_.path());
   arguments.insert(arguments.begin(), {"--scene", file.string()});
   start(std::move(arguments));
 }

@@ -25,11 +25,6 @@ class Daemon {
   explicit Daemon(std::vector<std::string> arguments = {});
   /// The same with a shipped scene, by its name.
   explicit Daemon(const std::string& shipped_scene);
-  /// The same with this device, the text of a scene's `device`.
-  struct Device {
-    std::string text{};
-  };
-  explicit Daemon(const Device& device, std::vector<std::string> arguments = {});
 
   [[nodiscard]] std::uint16_t tcp_port() const { return tcp_port_; }
   [[nodiscard]] std::uint16_t udp_port() const { return udp_port_; }

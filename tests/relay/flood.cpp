@@ -1,6 +1,5 @@
 #include "tests/relay/flood.hpp"
 
-#include <algorithm>
 #include <array>
 #include <fstream>
 #include <sstream>
@@ -32,9 +31,8 @@ DiscardingSocket::~DiscardingSocket() {
   thread_.join();
 }
 
-Flood::Flood(std::uint16_t port, std::vector<Packet> packets, std::uint64_t limit)
-    : packets_(std::move(packets)) {
-  thread_ = std::thread([this, port, limit] { run(port, limit); });
+Flood::Flood(std::uint16_t port, std::vector<Packet> packets) : packets_(std::move(packets)) {
+  thread_ = std::thread([this, port] { run(port); });
 }
 
 Flood::~Flood() {
@@ -47,18 +45,17 @@ void Flood::stop() {
 }
 
 /// In bursts of a tenth of a millisecond's share; a late wake-up sends what is due by then.
-void Flood::run(std::uint16_t port, std::uint64_t limit) {
+void Flood::run(std::uint16_t port) {
   const auto begin = std::chrono::steady_clock::now();
-  while (running_ && sent_ < limit) {
+  while (running_) {
     const auto due = static_cast<std::uint64_t>((std::chrono::steady_clock::now() - begin) / 1us) *
                      kPerMillisecond / 1000;
-    while (running_ && sent_ < std::min(due, limit)) {
+    while (running_ && sent_ < due) {
       static_cast<void>(socket_.send(packets_[sent_ % packets_.size()], port));
       ++sent_;
     }
     std::this_thread::sleep_for(100us);
   }
-  done_ = true;
 }
 
 bool Flood::answered() const {

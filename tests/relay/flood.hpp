@@ -31,8 +31,8 @@ class Flood {
  public:
   static constexpr std::uint64_t kPerMillisecond = 100;
 
-  /// Sends `packets` in turn until it is destroyed or `limit` were sent.
-  Flood(std::uint16_t port, std::vector<Packet> packets, std::uint64_t limit = UINT64_MAX);
+  /// Sends `packets` in turn until it is destroyed.
+  Flood(std::uint16_t port, std::vector<Packet> packets);
   ~Flood();
   Flood(const Flood&) = delete;
   Flood& operator=(const Flood&) = delete;
@@ -40,17 +40,16 @@ class Flood {
   /// Ends it.
   void stop();
   [[nodiscard]] std::uint64_t sent() const { return sent_; }
-  [[nodiscard]] bool done() const { return done_; }
   /// Anything came back to the socket it is sent from.
   [[nodiscard]] bool answered() const;
 
  private:
-  void run(std::uint16_t port, std::uint64_t limit);
+  void run(std::uint16_t port);
 
   const std::vector<Packet> packets_;
   const UdpSocket socket_{};
   std::atomic<std::uint64_t> sent_{0};
-  std::atomic<bool> running_{true}, done_{false};
+  std::atomic<bool> running_{true};
   std::thread thread_{};
 };
 

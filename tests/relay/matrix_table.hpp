@@ -7,10 +7,6 @@
 
 namespace haptic::test {
 
-/// A line of CSV (RFC 4180), with quotes if a field needs them.
-[[nodiscard]] std::string csv_line(const std::string& row, const std::string& expected,
-                                   const std::string& got, bool passed);
-
 /// One row, written when it ends: passed if nothing of the test has failed by then.
 class MatrixRow {
  public:

@@ -27,11 +27,10 @@ void UsedInOrder::add(const client::DeviceState& state) {
   newest_used_ = state.proxy_seq_used;
 }
 
-Presser::Presser(const std::string& address, client::Carriers carriers) : connection_(address) {
+Presser::Presser(const std::string& address) : connection_(address) {
   client::SessionOptions options;
   options.client_name = "presser";
   options.nominal_rate_hz = kRate;
-  options.carriers = carriers;
   options.reconnect = client::Reconnect::kWithBackoff;
   options.re_engage = true;
   options.timeout = 20s;  // through a link that loses every third packet
@@ -63,7 +62,7 @@ void Presser::run() {
   double depth = 0.0;
   while (running_) {
     const client::DeviceState state = session_->state();
-    if (publishing && !state.x_probe.empty()) {
+    if (!state.x_probe.empty()) {
       const double t =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
       const bool engaged = state.state == client::Lifecycle::kEngaged;

@@ -32,15 +32,13 @@ class Presser {
   static constexpr double kFreshEnd = 0.025;  ///< s, 2.5 periods
 
   /// Opens the session; throws ClientError.
-  explicit Presser(const std::string& address,
-                   client::Carriers carriers = client::Carriers::kAutomatic);
+  explicit Presser(const std::string& address);
   ~Presser();
 
   [[nodiscard]] client::Session& session() { return *session_; }
   [[nodiscard]] bool heard(const std::string& reason) const;
   [[nodiscard]] client::DeviceState state() const { return session_->state(); }
   [[nodiscard]] bool in_order() const { return order_.holds(); }
-  std::atomic<bool> publishing{true};
   /// While set, published in place of every coordinate.
   std::atomic<const double*> instead{nullptr};
 

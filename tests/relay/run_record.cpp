@@ -130,9 +130,9 @@ std::vector<RecordedTick> read_record(const std::filesystem::path& file) {
   const std::size_t time = column("time_s"), state = column("state"),
                     staleness = column("staleness"), age = column("proxy_age_us"),
                     mode = column("mode"), gain = column("gain"), slide = column("l_x"),
-                    body = columns.contains("q_B") ? column("q_B") : slide,
-                    limiters = column("limiters"), elastic = column("tau_elastic_l_x_n"),
-                    tau = column("tau_a_l_x_n"), faults = column("faults"), tick = column("seq"),
+                    body = column("q_B"), limiters = column("limiters"),
+                    elastic = column("tau_elastic_l_x_n"), tau = column("tau_a_l_x_n"),
+                    faults = column("faults"), tick = column("seq"),
                     lateness = column("lateness_us"), skipped = column("skipped"),
                     bound = column("error_bound_l_x_n");
   std::vector<RecordedTick> run;

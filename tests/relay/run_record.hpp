@@ -18,7 +18,7 @@ struct RecordedTick {
   double age{0.0};  ///< s, of the proxy
   double gain{0.0};
   double slide{0.0};                    ///< l_x, m
-  double body{0.0};                     ///< q_B, rad; of a device without it l_x
+  double body{0.0};                     ///< q_B, rad
   double tau_elastic{0.0}, tau_a{0.0};  ///< N
   double lateness{0.0};                 ///< s, of the wake-up after its deadline
   double skipped{0.0};

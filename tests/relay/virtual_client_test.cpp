@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 #include "tests/relay/matrix_table.hpp"
 #include "tests/relay/virtual_world.hpp"
@@ -30,32 +32,26 @@ void watch(VirtualWorld& world, LinkTime until) {
   }
 }
 
-/// A number that no proxy may have: refused at the door, the last good sample ages and fades.
-void is_refused(double bad, server::IngressVerdict verdict) {
-  VirtualWorld world(shipped_scenario("delay_10ms"));
-  watch(world, kTroubleAt);
-  ASSERT_GT(world.force(), 0.5);
-  const auto good = world.proxy;
-  world.proxy = [bad](LinkTime) { return bad; };
-  watch(world, kTroubleAt + 500ms);
-  EXPECT_EQ(world.rig.newest().effort.tau_elastic[0], 0.0);
-  EXPECT_GE(world.rig.sessions->status().samples[verdict],
-            48U);  // 500 ms at 100 Hz, 10 ms late
-  world.proxy = good;
-  watch(world, kTroubleAt + 2s);
-  EXPECT_EQ(world.rig.state(), core::LifecycleState::kEngaged);
-}
-
-TEST(VirtualClient, RefusesNotANumberAndFades) {
-  MatrixRow row("virtual/nan", "refused and counted; force by the ladder; back by a ramp");
-  is_refused(std::numeric_limits<double>::quiet_NaN(), server::IngressVerdict::kNotFinite);
-  row.got("as expected");
-}
-
-TEST(VirtualClient, RefusesAHugeValueAndFades) {
-  MatrixRow row("virtual/huge_values", "refused and counted; force by the ladder; back by a ramp");
-  is_refused(1e300, server::IngressVerdict::kOutOfBounds);
-  row.got("as expected");
+/// Refused at the door; the last good sample ages and fades.
+TEST(VirtualClient, RefusesBadNumbersAndFades) {
+  for (const auto& [name, bad, verdict] :
+       {std::tuple("virtual/nan", std::numeric_limits<double>::quiet_NaN(),
+                   server::IngressVerdict::kNotFinite),
+        {"virtual/huge_values", 1e300, server::IngressVerdict::kOutOfBounds}}) {
+    MatrixRow row(name, "refused and counted; force by the ladder; back by a ramp");
+    SCOPED_TRACE(name);
+    VirtualWorld world(shipped_scenario("delay_10ms"));
+    watch(world, kTroubleAt);
+    ASSERT_GT(world.force(), 0.5);
+    const auto good = std::exchange(world.proxy, [bad = bad](LinkTime) { return bad; });
+    watch(world, kTroubleAt + 500ms);
+    EXPECT_EQ(world.rig.newest().effort.tau_elastic[0], 0.0);
+    EXPECT_GE(world.rig.sessions->status().samples[verdict], 48U);  // 500 ms at 100 Hz, 10 ms late
+    world.proxy = good;
+    watch(world, kTroubleAt + 2s);
+    EXPECT_EQ(world.rig.state(), core::LifecycleState::kEngaged);
+    row.got("as expected");
+  }
 }
 
 TEST(VirtualClient, KilledClientLosesForceAndLease) {

@@ -171,12 +171,6 @@ TEST(VirtualMatrixRow, DoubtKeepsTheProxyYounger) {
   }
 }
 
-TEST(VirtualMatrixRow, BlockedTcpIsNotFelt) {
-  VirtualWorld world(shipped_scenario("tcp_blocked"));
-  EXPECT_LE(oldest_proxy(world, 1s, 12s), kSamplePeriod + 1ms);
-  EXPECT_EQ(world.fallbacks, 0);
-}
-
 TEST(VirtualMatrixRow, LossOf10PercentStaysEngaged) {
   for (const char* name : {"loss_01", "loss_05", "loss_10"}) {
     VirtualWorld world(shipped_scenario(name));
@@ -185,13 +179,6 @@ TEST(VirtualMatrixRow, LossOf10PercentStaysEngaged) {
     EXPECT_EQ(world.rig.state(), core::LifecycleState::kEngaged) << name;
     EXPECT_EQ(world.rig.sessions->status().carrier, server::Carrier::kUdp) << name;
   }
-}
-
-TEST(VirtualMatrixRow, WindowRejectsADuplicate) {
-  VirtualWorld world(shipped_scenario("duplicate_100"));
-  static_cast<void>(oldest_proxy(world, 0s, 5s));
-  EXPECT_GT(world.server.counters().duplicate(), 300U);
-  EXPECT_EQ(world.rig.sessions->status().samples[server::IngressVerdict::kOldSequence], 0U);
 }
 
 /// 150 ms of samples arrive at once while force fades. The newest of them is only a few ms old, but
@@ -224,10 +211,6 @@ TEST(VirtualMatrixRow, BacklogIsNotRenderedAsFresh) {
   EXPECT_GE(backlog(), 10U);
   EXPECT_EQ(world.rig.state(), core::LifecycleState::kEngaged);
   EXPECT_EQ(world.rig.newest().life.gain, 1.0);
-}
-
-TEST(MatrixTable, LineIsValidCsv) {
-  EXPECT_EQ(csv_line("a/b", "x, \"y\"", "z", false), "a/b,\"x, \"\"y\"\"\",z,FAILED\n");
 }
 
 }  // namespace

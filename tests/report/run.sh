@@ -35,10 +35,8 @@ done
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
-  targets=(haptic-report)
-  [[ " ${parts[*]} " != *" rtt "* ]] || targets+=(haptic_network_tests)
   (cd "$root" && cmake --preset release --log-level=WARNING >/dev/null &&
-    cmake --build --preset release --parallel "$(nproc)" --target "${targets[@]}")
+    cmake --build --preset release --parallel "$(nproc)" --target haptic-report)
   programs=$root/build/release
 fi
 report=$(find "$programs" -type f -name haptic-report -perm -u+x -print -quit)
@@ -326,27 +324,10 @@ make_felt() {
   awk -F, 'NR == 1 || ($5 != "all" && $1 == "subspace_linear" && $3 == 60 && $4 == 20)' \
     "$output/felt.csv" >"$output/felt_of.csv"
 }
-# The same over real sockets, if the tests are built: what the relay gives, next to virtual time.
-touch_by_relay() {
-  local tests
-  tests=$(find "$programs" -type f -name haptic_network_tests -perm -u+x -print -quit)
-  rm -f "$output/rtt_relay.csv"
-  [[ -n $tests ]] ||
-    { echo "run.sh: no program haptic_network_tests in $programs; left out" >&2; return 0; }
-  echo "haptic_network_tests --gtest_filter=Of/NetworkObject.*" >&2
-  { "$tests" --gtest_filter='Of/NetworkObject.*' || true; } | sed -n 's/^relay,//p' |
-    awk -F, -v OFS=, 'NR == FNR { if ($2 == "contacts" && $4 == 60 && $5 == 0) virtual[$1, $3] = $8
-                                  next }
-      FNR == 1 { print "object", "round_trip_ms", "peak_n", "error_n", "error_pct", "largest_n",
-                   "held_back_pct", "virtual_error_pct" }
-      { print $0, virtual[$1, $2] }' "$output/rtt.csv" - >"$output/rtt_relay.csv"
-}
 make_rtt() {
   local linkage=finger_same_sign file peer trip motions=()  # the scenes' linkage
   while read -r file; do motions+=(--motion "$file"); done < <(recorded_motions)
   csv rtt rtt "${motions[@]}" --summary "$output/rtt_summary.csv"
-  csv rtt_cost rtt --cost
-  touch_by_relay
   draw rtt_error rtt_error "csv='$output/rtt.csv'"
   for file in soft_wall finger_worn_reach_and_grasp; do
     for peer in contacts derived_planes held; do

@@ -1,7 +1,7 @@
-/// haptic-bench-core: what one tick costs, and what the choices inside it cost, with their errors.
+/// haptic-bench-core: what one tick costs, and what the choices inside it cost. Their errors:
+/// haptic-report work-precision.
 #include <Eigen/Dense>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -12,11 +12,12 @@
 #include "haptic/core/contacts/plane_projection.hpp"
 #include "haptic/core/linear/least_squares.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "haptic/core/model/hand_exoskeleton.hpp"
 #include "haptic/core/rendering/renderer.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/bench/paired.hpp"
+#include "tests/bench/single_calls.hpp"
 #include "tests/support/angles.hpp"
+#include "tests/support/pressing_hand.hpp"
 
 namespace {
 
@@ -54,28 +55,7 @@ struct Poses {
 
 double sink = 0.0;
 
-/// p50 of single ticks in ns: of 3000, after 1000 to warm up. `input(i)` makes the input of tick i,
-/// `tick(input)` is measured; the clock's own cost, measured in the same block, is subtracted.
-template <typename Input, typename Tick>
-double p50_of_ticks(const Input& input, const Tick& tick) {
-  using Clock = std::chrono::steady_clock;
-  constexpr int kWarmUp = 1000, kTicks = 3000;
-  std::vector<double> ticks, clocks;
-  for (int i = 0; i < kWarmUp + kTicks; ++i) {
-    const auto given = input(i);
-    const auto before = Clock::now(), start = Clock::now();
-    tick(given);
-    const auto end = Clock::now();
-    if (i < kWarmUp) continue;
-    clocks.push_back(std::chrono::duration<double, std::nano>(start - before).count());
-    ticks.push_back(std::chrono::duration<double, std::nano>(end - start).count());
-  }
-  const auto median = [](std::vector<double>& values) {
-    std::nth_element(values.begin(), values.begin() + kTicks / 2, values.end());
-    return values[kTicks / 2];
-  };
-  return median(ticks) - median(clocks);
-}
+constexpr int kWarmUp = 1000, kTicks = 3000;
 
 /// Input of tick `i` (from 0, 1 ms apart) of an engaged device: the fresh sample q (n_q), and the
 /// held proxy x (n_x) of a client at 60 Hz, free at first.
@@ -114,23 +94,13 @@ struct Extras {
   bool bound{false};  ///< their stiffness is told within 10 %, and the sample is anchored
 };
 
-core::PipelineConfig tick_config(const core::RendererKind kind, const Extras& extras) {
-  core::PipelineConfig config;
-  config.kinematics = core::make_finger_exoskeleton({});
-  const auto& dofs = config.kinematics->dofs();
-  config.device.q_lower = (VecQ(2) << dofs[0].lower, dofs[1].lower).finished();
-  config.device.q_upper = (VecQ(2) << dofs[0].upper, dofs[1].upper).finished();
-  config.device.max_effort = VecA::Constant(1, 40.0);
-  config.scene.renderer = kind;
+core::PipelineConfig tick_config(const std::shared_ptr<const core::Kinematics>& map,
+                                 const core::RendererKind kind, const Extras& extras) {
+  core::PipelineConfig config = pressing_config(map, kind);
   config.scene.direction_guard = extras.guard;
   config.passivity.tank.enabled = extras.tank;
   config.passivity.observer.enabled = extras.observer;
-  config.passivity.observer.inertia = VecA::Constant(1, 0.05);
-  config.scene.stiffness = VecA::Constant(1, 1500.0);
-  config.scene.damping = VecA::Constant(1, 2.0);
-  config.scene.force_limit = VecA::Constant(1, 20.0);
-  config.scene.slew_limit = VecA::Constant(1, 2000.0);
-  config.scene.engage_window = VecA::Constant(1, 1000.0);
+  config.passivity.observer.inertia = VecA::Constant(map->layout().n_a(), 0.05);
   return config;
 }
 
@@ -158,10 +128,11 @@ void put_laws(core::PlaneSet& planes) {
 }
 
 double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extras) {
-  const core::PipelineConfig config = tick_config(kind, extras);
+  const core::PipelineConfig config = tick_config(core::make_finger_exoskeleton({}), kind, extras);
   core::Pipeline pipeline(config);
   bool engaged = false;
-  const double p50 = p50_of_ticks(
+  const double p50 = bench::p50_of_calls(
+      kWarmUp, kTicks,
       [&](int i) {
         core::TickInput input = tick_input(poses, config, i);
         if (extras.planes > 0) put_planes(extras.planes, input.proxy);
@@ -184,20 +155,14 @@ double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extra
 /// Five fingers in one grasp; each has two soft, curved contacts.
 double hand_tick_p50(const Poses& poses) {
   constexpr int kFingers = 5, kContacts = 2;
-  core::PipelineConfig config = tick_config(core::RendererKind::kSubspaceLinear, {.tank = true});
   std::vector<core::HandFinger> fingers;
   for (int k = 0; k < kFingers; ++k) fingers.push_back({std::to_string(k), {}});
-  config.kinematics = core::make_hand_exoskeleton(fingers);
-  config.device.q_lower = VecQ(config.device.q_lower.replicate(kFingers, 1));
-  config.device.q_upper = VecQ(config.device.q_upper.replicate(kFingers, 1));
-  for (VecA* each : {&config.device.max_effort, &config.scene.stiffness, &config.scene.damping,
-                     &config.scene.force_limit, &config.scene.slew_limit,
-                     &config.scene.engage_window, &config.passivity.observer.inertia}) {
-    *each = VecA(each->replicate(kFingers, 1));
-  }
+  const core::PipelineConfig config = tick_config(
+      core::make_hand_exoskeleton(fingers), core::RendererKind::kSubspaceLinear, {.tank = true});
   core::Pipeline pipeline(config);
   bool felt = false;
-  const double p50 = p50_of_ticks(
+  const double p50 = bench::p50_of_calls(
+      kWarmUp, kTicks,
       [&](int i) {
         const core::TickInput one = tick_input(poses, config, i);
         core::TickInput input = held_tick(config, i, one.device.sample.q.replicate(kFingers, 1),
@@ -313,93 +278,44 @@ int main() {
   }
 
   core::LeastSquares solver(2, finger.layout());
-  const auto ours = [&](int n) {  // f, J, Eq. (8)
-    for (int i = 0; i < n; ++i) {
-      const auto k = static_cast<std::size_t>(i % kPoses);
-      static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
-      finger.space().difference(poses.x[k], x_probe, dx);
-      solver.solve(J, dx, Z_q);
-      sink += solver.dq()[0];
-    }
+  const auto look = [&](const VecQ& q, std::size_t k) {  // f, J, dx
+    static_cast<void>(finger.evaluate(q, x_probe, J));
+    finger.space().difference(poses.x[k], x_probe, dx);
   };
-  const auto eigen = [&](int n) {  // the same formula as it stands in the paper, fixed-size Eigen
-    for (int i = 0; i < n; ++i) {
-      const auto k = static_cast<std::size_t>(i % kPoses);
-      static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
-      const Eigen::Matrix2d J2 = J;
-      const Eigen::Vector2d d = poses.x[k] - x_probe;
-      const Eigen::Vector2d dq = (J2.transpose() * J2).llt().solve(J2.transpose() * d);
-      sink += dq[0];
-    }
+  VecQ q_star = poses.q_star[0];
+  const auto ours = [&](std::size_t k) {
+    look(poses.q[k], k);
+    solver.solve(J, dx, Z_q);
+    sink += solver.dq()[0];
   };
-  const auto eigen_qr = [&](int n) {
-    for (int i = 0; i < n; ++i) {
-      const auto k = static_cast<std::size_t>(i % kPoses);
-      static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
-      const Eigen::Matrix2d J2 = J;
-      const Eigen::Vector2d d = poses.x[k] - x_probe;
-      const Eigen::Vector2d dq = J2.householderQr().solve(d);
-      sink += dq[0];
-    }
+  const auto eigen = [&](std::size_t k) {  // the formula as it stands in the paper
+    static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
+    const Eigen::Matrix2d J2 = J;
+    const Eigen::Vector2d d = poses.x[k] - x_probe;
+    const Eigen::Vector2d dq = (J2.transpose() * J2).llt().solve(J2.transpose() * d);
+    sink += dq[0];
   };
-  const auto warm_step = [&](int n) {  // one Gauss-Newton step from the previous q*
-    VecQ q_star = poses.q_star[0];
-    for (int i = 0; i < n; ++i) {
-      const auto k = static_cast<std::size_t>(i % kPoses);
-      static_cast<void>(finger.evaluate(q_star, x_probe, J));
-      finger.space().difference(poses.x[k], x_probe, dx);
-      solver.solve(J, dx, Z_q);
-      q_star += solver.dq();
-      sink += q_star[0];
-    }
+  const auto warm_step = [&](std::size_t k) {  // one Gauss-Newton step from the previous q*
+    look(q_star, k);
+    solver.solve(J, dx, Z_q);
+    q_star += solver.dq();
+    sink += q_star[0];
   };
-  const auto closed_form = [&](int n) {
-    VecQ q_star;
-    for (int i = 0; i < n; ++i) {
-      const auto k = static_cast<std::size_t>(i % kPoses);
-      static_cast<void>(finger.inverse(poses.x[k], q_star));
-      sink += q_star[0];
-    }
+  const auto closed_form = [&](std::size_t k) {
+    static_cast<void>(finger.inverse(poses.x[k], q_star));
+    sink += q_star[0];
   };
-  constexpr int kCalls = 16384;
-  const auto block = [](const auto& body) {
-    return [&body] { return bench::ns_per_call(kCalls, body); };
+  const auto block = [](const auto& solve) {  // the poses in turn
+    return bench::ns_block(16384, [&solve](int n) {
+      for (int i = 0; i < n; ++i) solve(static_cast<std::size_t>(i % kPoses));
+    });
   };
-  const std::string eq8 = "Eq. (8) f + J + solve";
-  bench::print(bench::compare(eq8, "fixed-size Eigen (J^T J)^-1 J^T dx by LLT", "ns", block(ours),
-                              block(eigen), 1.0));
-  bench::print(bench::compare(eq8, "fixed-size Eigen HouseholderQR", "ns", block(ours),
-                              block(eigen_qr), 1.0));
+  bench::print(bench::compare("Eq. (8) f + J + solve", "fixed-size Eigen (J^T J)^-1 J^T dx by LLT",
+                              "ns", block(ours), block(eigen), 1.0));
   bench::print(bench::compare("Eq. (6) one warm Gauss-Newton step", "Eq. (8)", "ns",
                               block(warm_step), block(ours), 1.2));
   bench::print(
       bench::compare("Eq. (6) closed form", "Eq. (8)", "ns", block(closed_form), block(ours), 1.5));
-
-  // Errors on the same poses, of q*_a in metres, against the pose the proxy was made from.
-  double worst_linear = 0.0, worst_warm = 0.0, worst_closed = 0.0;
-  VecQ warm = poses.q_star[0];
-  for (int i = 0; i < 2 * kPoses; ++i) {
-    const auto k = static_cast<std::size_t>(i % kPoses);
-    static_cast<void>(finger.evaluate(poses.q[k], x_probe, J));
-    finger.space().difference(poses.x[k], x_probe, dx);
-    solver.solve(J, dx, Z_q);
-    worst_linear =
-        std::max(worst_linear, std::abs(poses.q[k][0] + solver.dq()[0] - poses.q_star[k][0]));
-    static_cast<void>(finger.evaluate(warm, x_probe, J));
-    finger.space().difference(poses.x[k], x_probe, dx);
-    solver.solve(J, dx, Z_q);
-    warm += solver.dq();
-    if (i >= kPoses) worst_warm = std::max(worst_warm, std::abs(warm[0] - poses.q_star[k][0]));
-    VecQ closed;
-    static_cast<void>(finger.inverse(poses.x[k], closed));
-    VecX back;
-    static_cast<void>(finger.evaluate(closed, back, J));
-    worst_closed = std::max(worst_closed, (back - poses.x[k]).cwiseAbs().maxCoeff());
-  }
-  std::printf(
-      "# error of q*_a: Eq. (8) %.3g m; one warm step (1 kHz proxies) %.3g m; closed form "
-      "%.3g rad round trip\n",
-      worst_linear, worst_warm, worst_closed);
   std::fprintf(stderr, "%s",
                sink == 0.123 ? "\n" : "");  // keeps the work from being optimised away
   return 0;

@@ -34,7 +34,7 @@
 #include "haptic/client/client.hpp"
 #include "tests/bench/crossing_servers.hpp"
 #include "tests/bench/paired.hpp"
-#include "tests/bench/percentile.hpp"
+#include "tests/support/percentile.hpp"
 
 namespace {
 
@@ -88,7 +88,7 @@ class Ticks {
   std::int64_t due_ns(std::int64_t tick) {
     const std::lock_guard lock(mutex_);
     std::vector<double> phases(phases_.begin(), phases_.end());
-    return first_ + kTickNs * tick + static_cast<std::int64_t>(bench::percentile(phases, 0.5));
+    return first_ + kTickNs * tick + static_cast<std::int64_t>(test::percentile(phases, 0.5));
   }
   /// The newest sample that this tick had used; none: its state did not come.
   std::optional<std::uint64_t> used_by(std::int64_t tick) {
@@ -154,8 +154,8 @@ std::vector<double> measure(const bench::ServerProcess& server, int port, client
   const std::vector<double> waits = ticks.take_waits_us();
   return {sums[0] / counts[0],
           sums[1] / counts[1],
-          bench::percentile(waits, 0.5),
-          bench::percentile(waits, 0.99),
+          test::percentile(waits, 0.5),
+          test::percentile(waits, 0.99),
           tick[0],
           tick[1]};
 }

@@ -21,10 +21,12 @@
 
 #include "server/base/steady_now.hpp"
 #include "server/owner/link/front_program.hpp"
-#include "tests/bench/percentile.hpp"
 #include "tests/server/support/app.hpp"
+#include "tests/support/percentile.hpp"
 
 namespace haptic::bench {
+
+using test::percentile;
 
 /// How long each of the last ticks took, in memory that server and benchmark share.
 struct TickTimes {

@@ -85,13 +85,11 @@ void compare() {
     }
   };
   const std::string size = std::to_string(M) + "x" + std::to_string(N);
-  const auto block = [](const auto& body) {
-    return [&body] { return bench::ns_per_call(kCalls, body); };
-  };
-  bench::print(bench::compare("own QR " + size, "fixed-size Eigen HouseholderQR", "ns", block(own),
-                              block(eigen), kTarget));
+  const bench::Block peer = bench::ns_block(kCalls, eigen);
+  bench::print(bench::compare("own QR " + size, "fixed-size Eigen HouseholderQR", "ns",
+                              bench::ns_block(kCalls, own), peer, kTarget));
   bench::print(bench::compare("LeastSquares " + size, "fixed-size Eigen HouseholderQR", "ns",
-                              block(whole), block(eigen), kTarget));
+                              bench::ns_block(kCalls, whole), peer, kTarget));
   double ours = 0.0, theirs = 0.0;
   for (std::size_t k = 0; k < kProblems; ++k) {
     own_solve<M, N>(kernel, problems.A[k], problems.b[k], y);

@@ -1,10 +1,8 @@
 /// haptic-bench-loop: how late the product's loop wakes, against a bare clock_nanosleep loop with
 /// the same settings, idle and with two busy threads; and what the ticks of three devices cost,
 /// against three times that of one. One block is 500 ticks of each.
-#include <algorithm>
 #include <atomic>
 #include <cstdio>
-#include <ctime>
 #include <exception>
 #include <thread>
 #include <vector>
@@ -12,15 +10,16 @@
 #include "server/owner/loop/loop.hpp"
 #include "server/owner/scene/scene.hpp"
 #include "server/owner/telemetry/telemetry.hpp"
+#include "tests/bench/bare_loop.hpp"
 #include "tests/bench/paired.hpp"
-#include "tests/bench/percentile.hpp"
 #include "tests/bench/pressing_units.hpp"
+#include "tests/support/percentile.hpp"
 
 namespace {
 
 using namespace haptic;
-using bench::percentile;
 using std::chrono::milliseconds;
+using test::percentile;
 
 constexpr int kTicks = 500;
 constexpr milliseconds kPeriod{1};
@@ -57,19 +56,10 @@ std::vector<double> bare() {
   std::vector<double> us;
   us.reserve(kTicks);
   std::thread thread([&us] {
-    static_cast<void>(server::apply_realtime({}, server::real_host()));
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    std::int64_t deadline = now.tv_sec * 1'000'000'000LL + now.tv_nsec;
-    for (int i = 0; i < kTicks; ++i) {
-      deadline += core::Duration(kPeriod).count();
-      const timespec at{static_cast<std::time_t>(deadline / 1'000'000'000),
-                        static_cast<long>(deadline % 1'000'000'000)};
-      clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
-      clock_gettime(CLOCK_MONOTONIC, &now);
-      us.push_back(static_cast<double>(now.tv_sec * 1'000'000'000LL + now.tv_nsec - deadline) *
-                   1e-3);
-    }
+    bench::bare_loop([&us](double late_us, std::int64_t) {
+      us.push_back(late_us);
+      return us.size() < kTicks;
+    });
   });
   thread.join();
   return us;

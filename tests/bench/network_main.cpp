@@ -23,6 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kRate = 100.0;  ///< Hz
 constexpr milliseconds kPeriod{10}, kSettling{500}, kMeasured{2000};
+constexpr std::uint64_t kPublished = (kSettling + kMeasured) / kPeriod;
 /// Target for UDP: the delay and three periods.
 constexpr double kTargetUs = 10'000.0 + 3 * 10'000.0;
 
@@ -89,30 +90,16 @@ Publish open(const std::string& address, By carrier) {
 std::vector<double> ages(Product& product, const test::RelaySetup& trouble, By carrier) {
   const test::Relay relay(trouble);
   Publish publish = open("127.0.0.2:" + std::to_string(trouble.tcp_port), carrier);
-  {
-    const std::lock_guard lock(product.arrivals.mutex);
-    product.arrivals.used.clear();
-    product.arrivals.keep_used = true;
-  }
-  std::vector<std::int64_t> published;
-  const auto begin = Clock::now() + kSettling;
-  for (auto next = Clock::now(); next < begin + kMeasured; next += kPeriod) {
-    std::this_thread::sleep_until(next);
-    published.push_back(now_ns());
-    publish(published.size());
-  }
+  product.arrivals.restart();
+  const auto begin = (Clock::now() + kSettling).time_since_epoch().count();
+  const auto published = paced(kPublished, kPeriod, publish);
   publish = nullptr;
-  std::vector<double> answer;
   const std::lock_guard lock(product.arrivals.mutex);
-  for (const auto& [seq, at] : product.arrivals.used) {
-    if (at < begin.time_since_epoch().count() || seq == 0 || seq > published.size()) continue;
-    answer.push_back(static_cast<double>(at - published[seq - 1]) * 1e-3);
-  }
+  std::vector<At> used = product.arrivals.used;
+  std::erase_if(used, [&](const At& one) { return one.second < begin; });
+  std::vector<double> answer = ways_us(used, published);
   // If the path was down all the time, the newest sample is at least as old as the block.
   if (answer.empty()) answer.push_back(core::seconds(kSettling + kMeasured) * 1e6);
-  product.arrivals.keep_used = false;
-  product.arrivals.born.clear();
-  product.arrivals.ages_us.clear();
   return answer;
 }
 

@@ -8,9 +8,6 @@
 
 namespace haptic::bench {
 
-inline constexpr int kSamples = 150;  // per block
-inline constexpr std::chrono::milliseconds kEvery{4};
-
 struct OneWay {
   double up_us{0.0}, down_us{0.0};  ///< p50
   /// The same of what comes before the callback (Arrivals). 0: not known.
@@ -31,29 +28,15 @@ inline OneWay product_block(Product& product, const std::string& address) {
   std::vector<std::int64_t> published;
   {
     const auto session = connection.open(options);
-    {
-      const std::lock_guard lock(product.arrivals.mutex);
-      product.arrivals.born.clear();
-      product.arrivals.found_us.clear();
-      product.arrivals.written_us.clear();
-    }
-    auto next = std::chrono::steady_clock::now();
-    for (int i = 0; i < kSamples; ++i) {
-      next += kEvery;
-      std::this_thread::sleep_until(next);
-      published.push_back(now_ns());
+    product.arrivals.restart();
+    published = paced(kSamples, kEvery, [&](auto) {
       session->publish(client::Proxy::held({0.4, 0.5}));
-    }
+    });
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  std::vector<double> up;
   const std::lock_guard lock(product.arrivals.mutex);
-  for (const auto& [seq, born] : product.arrivals.born) {
-    if (seq == 0 || seq > published.size()) continue;
-    up.push_back(static_cast<double>(born - published[seq - 1]) * 1e-3);
-  }
-  return {percentile(up, 0.5), percentile(down, 0.5), percentile(product.arrivals.found_us, 0.5),
-          percentile(product.arrivals.written_us, 0.5)};
+  return {percentile(ways_us(product.arrivals.born, published), 0.5), percentile(down, 0.5),
+          percentile(product.arrivals.found_us, 0.5), percentile(product.arrivals.written_us, 0.5)};
 }
 
 inline OneWay bare_block(BareServer& service, const std::string& address) {
@@ -64,12 +47,7 @@ inline OneWay bare_block(BareServer& service, const std::string& address) {
   std::vector<double> down;
   {
     BareClient client(address);
-    auto next = std::chrono::steady_clock::now();
-    for (int i = 0; i < kSamples; ++i) {
-      next += kEvery;
-      std::this_thread::sleep_until(next);
-      client.send(static_cast<std::uint64_t>(i + 1));
-    }
+    paced(kSamples, kEvery, [&](std::uint64_t i) { client.send(i); });
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     const std::lock_guard lock(client.mutex);
     down = client.down_us;

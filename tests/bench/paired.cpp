@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <random>
 
+#include "tests/support/csv.hpp"
+
 namespace haptic::bench {
 
 namespace {
@@ -35,11 +37,6 @@ const char* verdict(const Ratio& value, double target, double noise) {
   if (apart && value.upper <= target) return "met";
   if (apart && value.lower > target) return "missed";
   return "not shown";
-}
-
-/// A field of CSV: in quotes if it has a comma.
-std::string field(const std::string& text) {
-  return text.find(',') == std::string::npos ? text : '"' + text + '"';
 }
 
 }  // namespace
@@ -111,16 +108,17 @@ void print_header(Pairs pairs) {
 
 void print(const Row& row) {
   const double same = row.pairs == Pairs::kRatio ? 1.0 : 0.0;
-  std::printf("%s,%s,%s,%.4g,%.4g,%.3f,%.3f,%.3f,%.3f,%.3f,%.3g,%s\n", field(row.what).c_str(),
-              field(row.against).c_str(), row.unit.c_str(), row.ours, row.theirs, row.ratio.median,
-              row.ratio.lower, row.ratio.upper, row.a_a.lower, row.a_a.upper, row.target,
+  std::printf("%s,%s,%s,%.4g,%.4g,%.3f,%.3f,%.3f,%.3f,%.3f,%.3g,%s\n",
+              test::csv_field(row.what).c_str(), test::csv_field(row.against).c_str(),
+              row.unit.c_str(), row.ours, row.theirs, row.ratio.median, row.ratio.lower,
+              row.ratio.upper, row.a_a.lower, row.a_a.upper, row.target,
               verdict(row.ratio, row.target,
                       std::max(row.a_a.upper, same) - std::min(row.a_a.lower, same)));
   std::fflush(stdout);
 }
 
 void print(const Figure& figure) {
-  std::printf("%s,-,%s,%.4g,,,%.4g,%.4g,,,%.4g,%s\n", field(figure.what).c_str(),
+  std::printf("%s,-,%s,%.4g,,,%.4g,%.4g,,,%.4g,%s\n", test::csv_field(figure.what).c_str(),
               figure.unit.c_str(), figure.value.median, figure.value.lower, figure.value.upper,
               figure.target, verdict(figure.value, figure.target, 0.0));
   std::fflush(stdout);

@@ -65,5 +65,8 @@ void print(const Figure& figure);
 
 /// Median time of one call in ns, over `calls` calls in one block.
 [[nodiscard]] double ns_per_call(int calls, const std::function<void(int)>& body);
+[[nodiscard]] inline Block ns_block(int calls, const std::function<void(int)>& body) {
+  return [=] { return ns_per_call(calls, body); };
+}
 
 }  // namespace haptic::bench

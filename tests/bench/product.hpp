@@ -20,10 +20,15 @@
 #include "server/owner/loop/loop.hpp"
 #include "server/owner/rights/owner.hpp"
 #include "server/owner/scene/scene.hpp"
-#include "tests/bench/percentile.hpp"
 #include "tests/server/support/port_of.hpp"
+#include "tests/support/percentile.hpp"
 
 namespace haptic::bench {
+
+using test::percentile;
+
+inline constexpr int kSamples = 150;  ///< per block of one-way times
+inline constexpr std::chrono::milliseconds kEvery{4};
 
 inline std::int64_t now_ns() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
@@ -35,8 +40,36 @@ inline void keep_processors_awake() {
   if (host.open_idle_latency() == 0) host.keep_awake(true);
 }
 
-/// Arrival of each sample at the mailbox, its age in every tick, the stages of each state's way out
-/// and, if `keep_used`, which sample each tick used.
+/// A sample's number, and a time in ns.
+using At = std::pair<std::uint64_t, std::int64_t>;
+
+/// Calls act(1) to act(count), `every` apart. When each call began, ns.
+template <typename Act>
+std::vector<std::int64_t> paced(std::uint64_t count, std::chrono::milliseconds every,
+                                const Act& act) {
+  std::vector<std::int64_t> times;
+  auto next = std::chrono::steady_clock::now();
+  for (std::uint64_t i = 1; i <= count; ++i) {
+    std::this_thread::sleep_until(next += every);
+    times.push_back(now_ns());
+    act(i);
+  }
+  return times;
+}
+
+/// us from when each sample was published, `published[number - 1]`, to when it was there.
+inline std::vector<double> ways_us(const std::vector<At>& there,
+                                   const std::vector<std::int64_t>& published) {
+  std::vector<double> ways;
+  for (const auto& [seq, at] : there) {
+    if (seq == 0 || seq > published.size()) continue;
+    ways.push_back(static_cast<double>(at - published[seq - 1]) * 1e-3);
+  }
+  return ways;
+}
+
+/// Arrival of each sample at the mailbox, its age in every tick, the stages of each state's way
+/// out, and which sample each tick used.
 class Arrivals final : public server::RecordListener {
  public:
   void on_record(const core::TickRecord& record) override {
@@ -46,7 +79,7 @@ class Arrivals final : public server::RecordListener {
     if (proxy.seq != last_) born.emplace_back(proxy.seq, proxy.born.time_since_epoch().count());
     last_ = proxy.seq;
     ages_us.push_back(core::seconds(record.proxy.age) * 1e6);
-    if (keep_used && record.proxy.mode != core::ProxyMode::kNone) {
+    if (record.proxy.mode != core::ProxyMode::kNone) {
       used.emplace_back(record.proxy.seq, record.input.now.time_since_epoch().count());
     }
     skipped += record.input.loop.skipped;
@@ -55,13 +88,19 @@ class Arrivals final : public server::RecordListener {
     const std::lock_guard lock(mutex);
     written_us.push_back(since_tick_us(record));
   }
+  /// Forgets what was seen so far.
+  void restart() {
+    const std::lock_guard lock(mutex);
+    for (auto* times : {&found_us, &written_us, &ages_us}) times->clear();
+    born.clear();
+    used.clear();
+    skipped = 0;
+  }
   std::mutex mutex;
   /// After the begin of a tick: its record is found in the ring, its state is written to gRPC.
   std::vector<double> found_us{}, written_us{};
-  std::vector<std::pair<std::uint64_t, std::int64_t>> born{};
+  std::vector<At> born{}, used{};  ///< with the time of arrival, of the tick
   std::vector<double> ages_us{};
-  bool keep_used{false};
-  std::vector<std::pair<std::uint64_t, std::int64_t>> used{};  ///< seq, time of the tick in ns
   std::uint64_t skipped{0};
 
  private:

@@ -24,19 +24,10 @@ namespace {
 
 using namespace haptic;
 using namespace haptic::bench;
-constexpr int kSamples = 150;  // per block
-constexpr std::chrono::milliseconds kEvery{4};
 
 /// When each of `kSamples` was written, ns.
 std::vector<std::int64_t> write_samples(WebClient& client) {
-  std::vector<std::int64_t> written;
-  auto next = std::chrono::steady_clock::now();
-  for (int i = 0; i < kSamples; ++i) {
-    next += kEvery;
-    std::this_thread::sleep_until(next);
-    written.push_back(now_ns());
-    client.write(sample(written.size()));
-  }
+  auto written = paced(kSamples, kEvery, [&](std::uint64_t i) { client.write(sample(i)); });
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   return written;
 }
@@ -55,7 +46,7 @@ class Bare {
   [[nodiscard]] std::string address() const {
     return "127.0.0.1:" + std::to_string(acceptor_.local_endpoint().port());
   }
-  std::vector<std::int64_t> came{};  ///< ns; of the client that has gone
+  std::vector<At> came{};  ///< of the client that has gone
 
  private:
   void run() {
@@ -74,7 +65,7 @@ class Bare {
       while (!error) {
         buffer.clear();
         socket.read(buffer, error);
-        came.push_back(now_ns());
+        came.emplace_back(came.size() + 1, now_ns());
         if (!error) socket.write(buffer.data(), error);
       }
     }
@@ -91,19 +82,12 @@ double product_block(Product& product) {
     WebClient client(product.address(1));
     client.control(250.0);
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    {
-      const std::lock_guard lock(product.arrivals.mutex);
-      product.arrivals.born.clear();
-    }
+    product.arrivals.restart();
     written = write_samples(client);
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the force is gone
-  std::vector<double> up;
   const std::lock_guard lock(product.arrivals.mutex);
-  for (const auto& [seq, born] : product.arrivals.born) {
-    if (seq == 0 || seq > written.size()) continue;
-    up.push_back(static_cast<double>(born - written[seq - 1]) * 1e-3);
-  }
+  const std::vector<double> up = ways_us(product.arrivals.born, written);
   if (up.size() < kSamples / 2) throw std::runtime_error("too few samples arrived");
   return percentile(up, 0.5);
 }
@@ -115,11 +99,7 @@ double bare_block(Bare& bare) {
     written = write_samples(client);
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  std::vector<double> up;
-  for (std::size_t i = 0; i < written.size() && i < bare.came.size(); ++i) {
-    up.push_back(static_cast<double>(bare.came[i] - written[i]) * 1e-3);
-  }
-  return percentile(up, 0.5);
+  return percentile(ways_us(bare.came, written), 0.5);
 }
 
 constexpr int kViewers = 16;

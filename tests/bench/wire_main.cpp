@@ -24,7 +24,6 @@ namespace {
 
 using namespace haptic;
 using namespace haptic::bench;
-using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 struct Ages {
@@ -45,17 +44,10 @@ Ages ages_block(Product& product, int watchers) {
   options.client_name = "bench";
   options.nominal_rate_hz = 500;
   const auto session = connection.open(options);
-  auto next = Clock::now();
-  for (int i = 0; i < 600; ++i) {
-    next += milliseconds(2);
-    std::this_thread::sleep_until(next);
+  paced(600, milliseconds(2), [&](std::uint64_t i) {
     session->publish(client::Proxy::held({0.4, 0.5}));
-    if (i == 100) {
-      const std::lock_guard lock(product.arrivals.mutex);
-      product.arrivals.ages_us.clear();
-      product.arrivals.skipped = 0;
-    }
-  }
+    if (i == 100) product.arrivals.restart();
+  });
   const std::lock_guard lock(product.arrivals.mutex);
   return {percentile(product.arrivals.ages_us, 0.99),
           static_cast<double>(product.arrivals.skipped)};

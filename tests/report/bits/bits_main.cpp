@@ -83,8 +83,7 @@ void trace(const Options& options) {
 std::string judged(const RunName& name, const StoredRun& run, const StoredHashes& then) {
   const auto stored = then.runs.find(name);
   if (stored == then.runs.end()) return "has no stored hash: run.sh bits --write stores it";
-  const bool whole = run.blocks.size() == stored->second.blocks.size();
-  return difference(run, stored->second, whole, then.exceptions);
+  return difference(run, stored->second, then);
 }
 
 int compare(const Options& options) {

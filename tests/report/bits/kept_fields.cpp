@@ -10,22 +10,18 @@ using core::TickRecord;
 void put(Words& to, double value) {
   to.push_back(std::bit_cast<std::uint64_t>(value));
 }
-void put(Words& to, const core::VecX& values) {
+template <typename Vector>
+void put(Words& to, const Eigen::PlainObjectBase<Vector>& values) {
   to.push_back(static_cast<std::uint64_t>(values.size()));
-  for (const double value : values) put(to, value);
-}
-void put(Words& to, const core::VecQ& values) {
-  to.push_back(static_cast<std::uint64_t>(values.size()));
-  for (const double value : values) put(to, value);
+  for (Eigen::Index i = 0; i < values.size(); ++i) put(to, values.coeff(i));
 }
 void put(Words& to, core::Duration value) {
   to.push_back(static_cast<std::uint64_t>(value.count()));
 }
-void put(Words& to, core::FaultSet faults) {
-  to.push_back(faults.bits());
-}
-void put(Words& to, core::LimiterSet limiters) {
-  to.push_back(limiters.bits());
+/// A set of faults or limiters.
+template <typename Set>
+auto put(Words& to, Set set) -> decltype(to.push_back(set.bits())) {
+  to.push_back(set.bits());
 }
 /// A whole number, an enumerator or a bool.
 template <typename T>

@@ -4,10 +4,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <optional>
 #include <sstream>
-#include <stdexcept>
 
 #include "haptic/core/error.hpp"
 
@@ -17,18 +17,12 @@ namespace {
 constexpr const char* kBuiltBy = "built by: ";
 constexpr const char* kFields = "fields: ";
 
-std::string hex(std::uint16_t value) {
-  constexpr const char* kDigits = "0123456789abcdef";
-  std::string text;
-  for (int shift = 12; shift >= 0; shift -= 4) text += kDigits[(value >> shift) & 0xFU];
-  return text;
-}
+constexpr std::size_t kDigits = 4;
 
-std::uint16_t from_hex(const std::string& text) {
-  std::size_t used = 0;
-  const unsigned long value = std::stoul(text, &used, 16);
-  if (used != 4 || text.size() != 4) throw std::invalid_argument(text);
-  return static_cast<std::uint16_t>(value);
+std::string hex(std::uint64_t hash) {
+  char text[kDigits + 1];
+  std::snprintf(text, sizeof text, "%04x", static_cast<unsigned>(hash & 0xFFFFU));
+  return text;
 }
 
 /// Text behind `key` at the beginning of a line; nothing: it does not begin with it.
@@ -37,24 +31,16 @@ std::optional<std::string> after(const std::string& line, const std::string& key
   return line.substr(key.size());
 }
 
-/// Hashes that stand one behind the other.
-std::vector<std::uint16_t> hashes_of(const std::string& text) {
-  std::vector<std::uint16_t> hashes;
-  for (std::size_t i = 0; i < text.size(); i += 4) hashes.push_back(from_hex(text.substr(i, 4)));
-  return hashes;
-}
-
-/// "finger_constant/finger 1", the hashes of the blocks, those of the fields.
-void read_run(const std::string& line, const std::vector<std::string>& fields, StoredHashes& to) {
+/// "finger_constant/finger 1", the hashes of the blocks, those of the fields. Returns false if the
+/// line has not all of that.
+bool read_run(const std::string& line, StoredHashes& to) {
   std::istringstream in(line);
   RunName name;
-  std::string blocks, of_fields;
-  if (!(in >> name.first >> name.second >> blocks >> of_fields)) throw std::invalid_argument(line);
-  StoredRun& run = to.runs[name];
-  run.blocks = hashes_of(blocks);
-  const std::vector<std::uint16_t> hashes = hashes_of(of_fields);
-  if (hashes.size() != fields.size()) throw std::invalid_argument(line);
-  for (std::size_t i = 0; i < fields.size(); ++i) run.fields[fields[i]] = hashes[i];
+  StoredRun run;
+  if (!(in >> name.first >> name.second >> run.blocks >> run.fields)) return false;
+  to.runs[name] = run;
+  return (run.blocks + run.fields).find_first_not_of("0123456789abcdef") == std::string::npos &&
+         run.blocks.size() % kDigits == 0 && run.fields.size() == kDigits * to.fields.size();
 }
 
 std::vector<std::string> names_of(const std::string& list) {
@@ -88,12 +74,8 @@ std::string built_by() {
 
 StoredRun shortened(const RunHashes& hashes) {
   StoredRun run;
-  for (const std::uint64_t block : hashes.blocks()) {
-    run.blocks.push_back(static_cast<std::uint16_t>(block));
-  }
-  for (std::size_t i = 0; i < kept_fields().size(); ++i) {
-    run.fields[kept_fields()[i].name] = static_cast<std::uint16_t>(hashes.field(i));
-  }
+  for (const std::uint64_t block : hashes.blocks()) run.blocks += hex(block);
+  for (std::size_t i = 0; i < kept_fields().size(); ++i) run.fields += hex(hashes.field(i));
   return run;
 }
 
@@ -101,7 +83,6 @@ StoredHashes read_hashes(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw core::SceneError(file.string() + ": cannot be read");
   StoredHashes hashes;
-  std::vector<std::string> fields;
   int number = 0;
   for (std::string line; std::getline(in, line);) {
     ++number;
@@ -109,19 +90,15 @@ StoredHashes read_hashes(const std::filesystem::path& file) {
     if (const auto text = after(line, kBuiltBy)) {
       hashes.built_by = *text;
     } else if (const auto names = after(line, kFields)) {
-      fields = names_of(*names);
+      hashes.fields = names_of(*names);
     } else if (const auto exception = after(line, "except ")) {
       const std::size_t colon = exception->find(": ");
       hashes.exceptions[exception->substr(0, colon)] =
           colon == std::string::npos ? "" : exception->substr(colon + 2);
-    } else {
-      try {
-        read_run(line, fields, hashes);
-      } catch (const std::logic_error&) {
-        throw core::SceneError(file.string() + ":" + std::to_string(number) +
-                               ": must be device, seed, the hashes of the blocks and one per "
-                               "field, of four hexadecimal digits each");
-      }
+    } else if (!read_run(line, hashes)) {
+      throw core::SceneError(file.string() + ":" + std::to_string(number) +
+                             ": must be device, seed, the hashes of the blocks and one per field, "
+                             "of four hexadecimal digits each");
     }
   }
   return hashes;
@@ -135,32 +112,32 @@ std::string written(const StoredHashes& hashes, const std::filesystem::path& fil
   for (const KeptField& field : kept_fields()) text += std::string(field.name) + ",";
   text.back() = '\n';
   for (const auto& [name, run] : hashes.runs) {
-    text += name.first + " " + std::to_string(name.second);
-    text += " ";
-    for (const std::uint16_t block : run.blocks) text += hex(block);
-    text += " ";
-    for (const KeptField& field : kept_fields()) text += hex(run.fields.at(field.name));
-    text += "\n";
+    text +=
+        name.first + " " + std::to_string(name.second) + " " + run.blocks + " " + run.fields + "\n";
   }
   return text;
 }
 
-std::string difference(const StoredRun& now, const StoredRun& then, bool whole,
-                       const std::map<std::string, std::string>& exceptions) {
+std::string difference(const StoredRun& now, const StoredRun& then, const StoredHashes& stored) {
+  const auto [here, there] =
+      std::mismatch(now.blocks.begin(), now.blocks.end(), then.blocks.begin(), then.blocks.end());
   std::string text;
-  const std::size_t blocks = std::min(now.blocks.size(), then.blocks.size());
-  for (std::size_t i = 0; i < blocks && text.empty(); ++i) {
-    if (now.blocks[i] == then.blocks[i]) continue;
-    const std::size_t first = i * RunHashes::kBlock + 1;
+  if (here != now.blocks.end() && there != then.blocks.end()) {
+    const auto block = static_cast<std::size_t>(here - now.blocks.begin()) / kDigits;
+    const std::size_t first = block * RunHashes::kBlock + 1;
     text = "the force differs first in ticks " + std::to_string(first) + " to " +
            std::to_string(first + RunHashes::kBlock - 1);
   }
-  if (!whole) return text;
+  if (now.blocks.size() != then.blocks.size()) return text;
   std::string fields;
-  for (const KeptField& field : kept_fields()) {
-    const auto stored = then.fields.find(field.name);
-    if (stored == then.fields.end() || exceptions.count(field.name) > 0) continue;
-    if (now.fields.at(field.name) != stored->second) fields += std::string(" ") + field.name;
+  for (std::size_t i = 0; i < kept_fields().size(); ++i) {
+    const char* const name = kept_fields()[i].name;
+    const auto at = std::find(stored.fields.begin(), stored.fields.end(), name);
+    if (at == stored.fields.end() || stored.exceptions.count(name) > 0) continue;
+    const auto k = static_cast<std::size_t>(at - stored.fields.begin());
+    if (now.fields.compare(kDigits * i, kDigits, then.fields, kDigits * k, kDigits) != 0) {
+      fields += std::string(" ") + name;
+    }
   }
   if (fields.empty()) return text;
   return (text.empty() ? "the force is the same" : text) + "; fields that differ:" + fields;

@@ -18,15 +18,15 @@ namespace haptic::report {
 /// A device of a scene ("finger_constant/finger"), and a seed.
 using RunName = std::pair<std::string, int>;
 
-/// One run, of each hash the 16 bits that are stored.
+/// One run, of each hash the 16 bits that are stored: four hexadecimal digits each.
 struct StoredRun {
-  std::vector<std::uint16_t> blocks{};
-  std::map<std::string, std::uint16_t> fields{};  ///< by name
+  std::string blocks{}, fields{};
 };
 [[nodiscard]] StoredRun shortened(const RunHashes& hashes);
 
 struct StoredHashes {
   std::string built_by{};
+  std::vector<std::string> fields{};  ///< names, in the order of a run's
   std::map<RunName, StoredRun> runs{};
   /// Why a device or a field (by its name) is not what it was: it is not compared.
   std::map<std::string, std::string> exceptions{};
@@ -38,10 +38,10 @@ struct StoredHashes {
 /// there.
 [[nodiscard]] std::string written(const StoredHashes& hashes, const std::filesystem::path& file);
 
-/// Empty if `now` agrees with `then` as far as it goes; else a sentence: the block of ticks in
-/// which the force first differs, and the fields that do. `whole`: both have the same number of
-/// ticks, so that fields can be compared.
-[[nodiscard]] std::string difference(const StoredRun& now, const StoredRun& then, bool whole,
-                                     const std::map<std::string, std::string>& exceptions);
+/// Empty if `now` agrees with the run `then` of `stored` as far as it goes; else a sentence: the
+/// block of ticks in which the force first differs, and the fields that do, if both have the same
+/// number of ticks.
+[[nodiscard]] std::string difference(const StoredRun& now, const StoredRun& then,
+                                     const StoredHashes& stored);
 
 }  // namespace haptic::report

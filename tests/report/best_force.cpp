@@ -12,8 +12,8 @@ core::VecX lever(const core::MatXQ& J) {
 double BestForce::at(const core::PlaneSet& walls, const core::VecX& x_probe, const core::VecX& w) {
   walls_.set(walls, x_probe);
   static_cast<void>(walls_.project(x_probe, x_));
-  dx_ = x_ - x_probe;
-  const double tau = std::clamp(stiffness_ * w.dot(dx_), -limit_, limit_);
+  const core::VecX dx = x_ - x_probe;
+  const double tau = std::clamp(stiffness_ * w.dot(dx), -limit_, limit_);
   for (int i = 0; i < walls.size(); ++i) {
     const auto n = walls.normals.col(i);
     if (n.dot(x_probe) - walls.offsets[i] > kContactBand && n.dot(w) * tau > 0.0) return 0.0;

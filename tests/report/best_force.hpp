@@ -21,13 +21,11 @@ class BestForce {
   /// into a wall that it is deeper in than kContactBand. Walls: n . x <= b, unit normals, rad.
   [[nodiscard]] double at(const core::PlaneSet& walls, const core::VecX& x_probe,
                           const core::VecX& w);
-  /// dx = x - x_probe of the last call, rad.
-  [[nodiscard]] const core::VecX& dx() const noexcept { return dx_; }
 
  private:
   core::PlaneProjection walls_;
   double stiffness_, limit_;
-  core::VecX x_{core::VecX::Zero(2)}, dx_{core::VecX::Zero(2)};
+  core::VecX x_{core::VecX::Zero(2)};
 };
 
 }  // namespace haptic::report

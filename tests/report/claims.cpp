@@ -15,6 +15,7 @@
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/values.hpp"
+#include "tests/support/percentile.hpp"
 
 namespace haptic::report {
 namespace {
@@ -256,20 +257,13 @@ core::RenderingImpedance impedance_of(const core::Kinematics& map, const State& 
   return z;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return NAN;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 void print_tally(const Device& device, const char* formula, const char* Z_x, double deviation,
                  RendererKind kind, const Tally& t) {
   const core::DofLayout& layout = device.maps.front()->layout();
   const auto share = [&](int n) { return 100.0 * n / std::max(t.states, 1); };
   row(device.name, layout.n_a(), layout.n_q() - layout.n_a(), device.maps.front()->space().n_x(),
       formula, Z_x, deviation, core::name(kind), t.states, share(t.negative), share(t.no_sensed),
-      share(t.conservative), 100.0 * median(t.curls), t.worst, t.where);
+      share(t.conservative), 100.0 * test::percentile(t.curls, 0.5), t.worst, t.where);
 }
 
 void print_device(const Device& device) {
@@ -344,9 +338,9 @@ void add_claims(CLI::App& app) {
       "paper: Eq. (2), (5), (9), J held constant; exact: with dJ/dq, at a proxy that is away by "
       "deviation_pct of every DoF's range. x held, unguarded. conservative: d tau/dq symmetric, so "
       "that no small loop of q does work; curl: its antisymmetric part over the symmetric one, the "
-      "median. largest_eigenvalue: of the symmetric part of d "
-      "tau_a/dq_a "
-      "over the largest magnitude; above 0 the force grows along a motion.");
+      "median. largest_eigenvalue: of the symmetric part of d tau_a/dq_a over the largest "
+      "magnitude; "
+      "above 0 the force grows along a motion.");
   auto felt = std::make_shared<bool>(false);
   command->add_flag("--felt", *felt, "spread of the stiffness felt at X over the poses instead");
   command->callback([felt] { run(*felt); });

@@ -4,22 +4,6 @@
 
 namespace haptic::report {
 
-std::string_view name(ClientKind kind) noexcept {
-  switch (kind) {
-    case ClientKind::kHeldForce:
-      return "held_force";
-    case ClientKind::kHeld:
-      return "held";
-    case ClientKind::kExtrapolated:
-      return "extrapolated";
-    case ClientKind::kPlanes:
-      return "planes";
-    case ClientKind::kDerivedPlanes:
-      return "derived_planes";
-  }
-  return "";
-}
-
 test::ClientSettings client_of(ClientKind kind, const Network& network, const core::VecX& stop) {
   constexpr double kEveryTick_hz = 1000.0;
   test::ClientSettings client;

@@ -2,8 +2,8 @@
 /// How a simulation's proxy lives between two samples: what closed-loop and rate compare.
 
 #include <array>
-#include <string_view>
 
+#include "tests/report/values.hpp"
 #include "tests/support/loop/remote_client.hpp"
 
 namespace haptic::report {
@@ -25,8 +25,9 @@ inline constexpr std::array<ClientKind, 5> kClientKinds{
 inline constexpr std::array<ClientKind, 3> kOfferedClients{ClientKind::kHeld, ClientKind::kPlanes,
                                                            ClientKind::kDerivedPlanes};
 
-/// Name on the command line and in the tables.
-[[nodiscard]] std::string_view name(ClientKind kind) noexcept;
+[[nodiscard]] inline std::string_view name(ClientKind kind) noexcept {
+  return name_in({"held_force", "held", "extrapolated", "planes", "derived_planes"}, kind);
+}
 
 struct Network {
   double rate_hz{60.0};

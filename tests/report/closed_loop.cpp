@@ -38,10 +38,6 @@ struct Sending {
   Network network{};
 };
 
-bool chosen(const std::string& option, std::string_view name) {
-  return option.empty() || option == name;
-}
-
 std::vector<Sending> sendings(const Options& options) {
   std::vector<Sending> all{
       {ClientKind::kHeld, {1000, 0.0}},          {ClientKind::kHeld, {60, 0.0}},
@@ -153,42 +149,34 @@ std::vector<Row> rows(const Options& options) {
   return all;
 }
 
-std::string what_it_is(const Row& row) {
+Line what_it_is(const Row& row) {
   return line_of(name(row.loop.motion), row.stop.first, row.stop.second, row.method, row.proxy,
                  row.loop.client.rate_hz, row.loop.client.delay_s * kMilli, name(row.loop.with),
                  row.loop.reversed ? "reversed" : "forward");
 }
-constexpr std::string_view kWhat =
-    "motion,stop_mcp_deg,stop_pip_deg,method,proxy,rate_hz,delay_ms,with,direction";
+const Line kWhat{"motion,stop_mcp_deg,stop_pip_deg,method,proxy,rate_hz,delay_ms,with,direction"};
 
 void print_figures(const Options& options) {
-  std::puts((std::string(kWhat) +
-             ",given_mj,net_mj,most_net_mj,peak_storage_mj,given_pct,mean_force_n,peak_force_n,"
-             "max_penetration_deg,withheld_ticks,throttled_ticks,verdict")
-                .c_str());
-  for (const Row& row : rows(options)) {
-    const LoopFigures f = run(row.loop);
-    const bool ok = f.most_net <= row.loop.tank_initial + kRounding;
+  row(kWhat, "given_mj", "net_mj", "most_net_mj", "peak_storage_mj", "given_pct", "mean_force_n",
+      "peak_force_n", "max_penetration_deg", "withheld_ticks", "throttled_ticks", "verdict");
+  for (const Row& one : rows(options)) {
+    const LoopFigures f = run(one.loop);
+    const bool ok = f.most_net <= one.loop.tank_initial + kRounding;
     // The energy of a throttled spring says nothing of the method.
     const bool throttled = f.throttled > 0 || f.peak_storage == 0.0;
-    const double share = throttled ? NAN : 100.0 * f.given / f.peak_storage;
-    std::puts((what_it_is(row) + "," +
-               line_of(kMilli * f.given, kMilli * f.net, kMilli * f.most_net,
-                       kMilli * f.peak_storage, share, f.mean_force, f.peak_force,
-                       f.max_penetration_deg, f.withheld, f.throttled, ok ? "ok" : "gives energy"))
-                  .c_str());
+    row(what_it_is(one), kMilli * f.given, kMilli * f.net, kMilli * f.most_net,
+        kMilli * f.peak_storage, throttled ? NAN : 100.0 * f.given / f.peak_storage, f.mean_force,
+        f.peak_force, f.max_penetration_deg, f.withheld, f.throttled, ok ? "ok" : "gives energy");
   }
 }
 
 void print_trace(const Options& options) {
-  std::puts((std::string(kWhat) + ",t_s,mcp_deg,pip_deg,force_n,given_mj,net_mj").c_str());
-  for (const Row& row : rows(options)) {
-    const std::string what = what_it_is(row);
-    static_cast<void>(run(row.loop, [&](const LoopTick& tick) {
-      std::puts((what + "," +
-                 line_of(tick.t_s, tick.x_deg.first, tick.x_deg.second, tick.tau_a,
-                         kMilli * tick.given, kMilli * tick.net))
-                    .c_str());
+  row(kWhat, "t_s", "mcp_deg", "pip_deg", "force_n", "given_mj", "net_mj");
+  for (const Row& one : rows(options)) {
+    const Line what = what_it_is(one);
+    static_cast<void>(run(one.loop, [&](const LoopTick& tick) {
+      row(what, tick.t_s, tick.x_deg.first, tick.x_deg.second, tick.tau_a, kMilli * tick.given,
+          kMilli * tick.net);
     }));
   }
 }
@@ -202,10 +190,8 @@ constexpr const char* kFooter =
     "metric "
     "of Q, M_n = c (0.02 m/rad)^2 Z_q.\n"
     "given_mj: to the user in the cycle or press; net_mj: less what the device's own damping, 2 N "
-    "s/m, "
-    "took; most_net_mj: the largest net sum over time since force came on. given_pct: of the "
-    "spring's "
-    "largest energy in the cycle, nan where the tank held it back. mean_force_n: of the "
+    "s/m, took; most_net_mj: the largest net sum over time since force came on. given_pct: of the "
+    "spring's largest energy in the cycle, nan where the tank held it back. mean_force_n: of the "
     "magnitude.\n"
     "verdict: ok, or gives energy: most_net_mj is more than the tank held at first.";
 

@@ -3,12 +3,15 @@
 /// standard output and nothing else there; remarks go to standard error.
 
 #include <CLI/CLI.hpp>
+#include <string>
+#include <string_view>
 
 namespace haptic::report {
 
-/// Thrown by a subcommand whose figures are not as they must be, after it has printed them: the
-/// program ends with 1.
-struct FigureFailed {};
+/// True if an option names nothing, or this.
+[[nodiscard]] inline bool chosen(const std::string& option, std::string_view name) {
+  return option.empty() || option == name;
+}
 
 void add_linkage(CLI::App& app);
 void add_fig4(CLI::App& app);

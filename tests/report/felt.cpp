@@ -11,6 +11,7 @@
 #include "tests/report/csv.hpp"
 #include "tests/report/felt_study.hpp"
 #include "tests/support/link/random.hpp"
+#include "tests/support/percentile.hpp"
 
 namespace haptic::report {
 namespace {
@@ -29,6 +30,9 @@ struct Options {
 struct Interval {
   double value{0.0}, lower{0.0}, upper{0.0};
 };
+std::string cell(const Interval& interval) {
+  return line_of(interval.value, interval.lower, interval.upper).text;
+}
 
 /// Bootstrap 95 % interval of `statistic`, which gets indices below n; the same in every run.
 template <typename Statistic>
@@ -67,10 +71,6 @@ struct Cell {
   std::vector<FeltInputs> inputs{};  ///< of the first flat and the first round one
   std::vector<double> ns{};          ///< by turn
 };
-
-bool chosen(const std::string& option, std::string_view name) {
-  return option.empty() || option == name;
-}
 
 /// Delays at 60 Hz, rates at 20 ms, and both ends; with an option that one network.
 std::vector<Network> networks(const Options& options) {
@@ -118,9 +118,7 @@ void time_all(const FeltDevice& device, std::vector<Cell>& cells) {
 double median_at(const std::vector<double>& values, const std::vector<std::size_t>& index) {
   std::vector<double> sample;
   for (const std::size_t i : index) sample.push_back(values[i]);
-  std::nth_element(sample.begin(), sample.begin() + static_cast<long>(sample.size() / 2),
-                   sample.end());
-  return sample[sample.size() / 2];
+  return test::percentile(sample, 0.5);
 }
 
 void print(const FeltMotions& motions, const Cell& cell, const std::string& of,
@@ -147,29 +145,23 @@ void print(const FeltMotions& motions, const Cell& cell, const std::string& of,
       return figure(sum_at(index));
     });
   };
-  const Interval error =
-      interval([](const FeltSums& s) { return rms_nmm(s.error2, s.ticks - s.limited); });
-  const Interval share =
-      interval([](const FeltSums& s) { return rms_percent(s.error2, s.ideal2); });
-  const Interval over = interval([](const FeltSums& s) { return rms_percent(s.over2, s.best2); });
-  const Interval every =
-      interval([](const FeltSums& s) { return rms_percent(s.all2, s.ideal_all2); });
-  const Interval limited = interval([](const FeltSums& s) {
-    return percent(static_cast<double>(s.limited), static_cast<double>(s.ticks));
-  });
-  const Interval ns = interval_of(cell.ns.size(), [&](const std::vector<std::size_t>& index) {
-    return median_at(cell.ns, index);
-  });
+  const auto share = [](long part, const FeltSums& of) {
+    return percent(static_cast<double>(part), static_cast<double>(of.ticks));
+  };
   FeltSums all;
   for (const FeltSums& one : by_motion) all += one;
   row(core::name(cell.how.renderer), name(cell.how.client), cell.how.network.rate_hz,
       cell.how.network.delay_s * kMilli, of, by_motion.size(), trajectories,
-      rms_nmm(all.ideal2, all.ticks - all.limited), error.value, error.lower, error.upper,
-      share.value, share.lower, share.upper, over.value, over.lower, over.upper, every.value,
-      every.lower, every.upper, limited.value, limited.lower, limited.upper,
-      percent(static_cast<double>(all.throttled), static_cast<double>(all.ticks)),
-      percent(static_cast<double>(all.guarded), static_cast<double>(all.ticks)), all.ended,
-      ns.value, ns.lower, ns.upper);
+      rms_nmm(all.ideal2, all.ticks - all.limited),
+      interval([](const FeltSums& s) { return rms_nmm(s.error2, s.ticks - s.limited); }),
+      interval([](const FeltSums& s) { return rms_percent(s.error2, s.ideal2); }),
+      interval([](const FeltSums& s) { return rms_percent(s.over2, s.best2); }),
+      interval([](const FeltSums& s) { return rms_percent(s.all2, s.ideal_all2); }),
+      interval([&](const FeltSums& s) { return share(s.limited, s); }), share(all.throttled, all),
+      share(all.guarded, all), all.ended,
+      interval_of(cell.ns.size(), [&](const std::vector<std::size_t>& index) {
+        return median_at(cell.ns, index);
+      }));
 }
 
 void print_all(const Options& options) {

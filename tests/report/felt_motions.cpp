@@ -5,7 +5,6 @@
 
 #include "haptic/core/error.hpp"
 #include "hw/motion/minimum_jerk.hpp"
-#include "hw/motion/motion_csv.hpp"
 #include "hw/motion/pchip.hpp"
 #include "tests/report/felt_study.hpp"
 #include "tests/support/link/random.hpp"
@@ -16,9 +15,8 @@ namespace {
 using Aim = std::function<Eigen::Vector2d(double)>;
 using Eigen::Vector2d;
 
-constexpr double kLook_s = 0.01;           // between the samples by which a motion is judged
-constexpr double kLowest = 3.0 * kDegree;  // of a recording's joints
-constexpr double kRoom = 6.0 * kDegree;    // that a motion must have towards its object
+constexpr double kLook_s = 0.01;         // between the samples by which a motion is judged
+constexpr double kRoom = 6.0 * kDegree;  // that a motion must have towards its object
 constexpr double kDeepest = 15.0 * kDegree;
 constexpr int kTries = 200;
 
@@ -109,11 +107,7 @@ void add(FeltMotions& all, const Aim& aim, bool recorded, std::uint64_t seed, in
 /// A recording's windows, one after another.
 void add_recording(const core::Kinematics& finger, const std::string& file, std::uint64_t seed,
                    std::size_t count, FeltMotions& all) {
-  hw::MotionTable table = hw::read_motion_csv(file, {hw::joint_angle_columns()});
-  for (std::vector<double>& joint : table.values) {
-    const double lowest = *std::min_element(joint.begin(), joint.end());
-    for (double& angle : joint) angle += std::max(0.0, kLowest - lowest);
-  }
+  const hw::MotionTable table = flexed_recording(file);
   const auto mcp = std::make_shared<hw::Pchip>(table.time_s, table.values[0]);
   const auto pip = std::make_shared<hw::Pchip>(table.time_s, table.values[1]);
   for (double from = 0.0; from + kFeltSeconds <= mcp->last(); from += kFeltSeconds) {
@@ -149,6 +143,16 @@ Aim reach_and_return(test::Random& random) {
 }
 
 }  // namespace
+
+hw::MotionTable flexed_recording(const std::string& file) {
+  constexpr double kLowest = 3.0 * kDegree;
+  hw::MotionTable table = hw::read_motion_csv(file, {hw::joint_angle_columns()});
+  for (std::vector<double>& joint : table.values) {
+    const double lowest = *std::min_element(joint.begin(), joint.end());
+    for (double& angle : joint) angle += std::max(0.0, kLowest - lowest);
+  }
+  return table;
+}
 
 FeltMotions felt_motions(const core::Kinematics& finger, const std::vector<std::string>& recordings,
                          int count, std::uint64_t seed) {

@@ -8,6 +8,7 @@
 #include "server/owner/scene/scene.hpp"
 #include "server/owner/scene/shipped.hpp"
 #include "tests/report/best_force.hpp"
+#include "tests/report/finger_press.hpp"
 #include "tests/support/cpu_time.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
 
@@ -19,7 +20,6 @@ using core::VecX;
 constexpr const char* kScene = "finger_soft_grasp";  // the demo's
 constexpr double kEngage_s = 0.7;  // ten samples at 30 Hz, 100 ms late, jitter, and some
 constexpr double kLeave_s = 1.0;   // the gain's ramp is over
-constexpr int kSubsteps = 10;      // of 0.1 ms, as the simulated device takes them
 
 int tick_of(double t) {
   return static_cast<int>(std::lround(t / test::PipelineLoop::kTick_s));
@@ -82,7 +82,6 @@ FeltSums run(const FeltTrajectory& what, const FeltDevice& device, const FeltRun
   BestForce best(config.kinematics->space(), config.scene.stiffness[0],
                  config.scene.force_limit[0]);
   FeltSums sums;
-  constexpr double dt = test::PipelineLoop::kTick_s / kSubsteps;
   const int begins = tick_of(kLeave_s), last = tick_of(kLeave_s + kFeltSeconds);
   for (int k = 1; k <= last; ++k) {
     if (k == tick_of(kEngage_s)) {
@@ -90,9 +89,7 @@ FeltSums run(const FeltTrajectory& what, const FeltDevice& device, const FeltRun
       ideal.engage();
     }
     const double t = k * test::PipelineLoop::kTick_s - kLeave_s;
-    for (int s = kSubsteps - 1; k > begins && s >= 0; --s) {
-      physics.step(dt, what.aim(t - s * dt), felt.tau());
-    }
+    if (k > begins) step_tick(physics, t, what.aim, felt.tau());
     const core::TickRecord& record = felt.tick(physics.q());
     const core::LimiterSet limiters = record.limiters() | ideal.tick(physics.q()).limiters();
     if (inputs != nullptr) (k > begins ? inputs->motion : inputs->before).push_back(record.input);

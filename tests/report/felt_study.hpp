@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "haptic/core/tick/pipeline.hpp"
+#include "hw/motion/motion_csv.hpp"
 #include "hw/simulated/finger_physics.hpp"
 #include "tests/report/client_kind.hpp"
 #include "tests/report/values.hpp"
@@ -22,6 +23,10 @@ struct FeltDevice {
 };
 /// Pipeline of the scene that the demo runs, with this linkage. Throws SceneError: no such scene.
 [[nodiscard]] FeltDevice felt_device(std::shared_ptr<const core::Kinematics> finger);
+
+/// A recording of joint angles, shifted so that no joint is ever below 3 deg: where zero is was not
+/// recorded exactly. Throws as hw::read_motion_csv does.
+[[nodiscard]] hw::MotionTable flexed_recording(const std::string& file);
 
 inline constexpr double kFeltSeconds = 1.5;  ///< of a motion
 
@@ -43,9 +48,7 @@ struct FeltMotions {
 };
 
 /// `count` of them, two objects per motion: one flat, one round. First every window of
-/// kFeltSeconds of the recordings (files with joint angles) that `finger` reaches, then random
-/// reaches and returns. A recording is shifted so that its joints are never below 3 deg: where zero
-/// is was not recorded exactly. Throws as hw::read_motion_csv does.
+/// kFeltSeconds of the flexed recordings that `finger` reaches, then random reaches and returns.
 [[nodiscard]] FeltMotions felt_motions(const core::Kinematics& finger,
                                        const std::vector<std::string>& recordings, int count,
                                        std::uint64_t seed);

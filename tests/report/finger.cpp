@@ -59,11 +59,9 @@ std::vector<Press> runs(const Options& options) {
 }
 
 std::vector<core::RendererKind> methods(const Options& options) {
-  std::vector<core::RendererKind> chosen;
-  for (const core::RendererKind kind : kMethods) {
-    if (options.method.empty() || options.method == core::name(kind)) chosen.push_back(kind);
-  }
-  return chosen;
+  std::vector<core::RendererKind> all(kMethods.begin(), kMethods.end());
+  std::erase_if(all, [&](auto kind) { return !chosen(options.method, core::name(kind)); });
+  return all;
 }
 
 std::string verdict(const Felt& felt, double no_force_deg) {
@@ -76,49 +74,47 @@ std::string verdict(const Felt& felt, double no_force_deg) {
 /// Penetration of the same press without force; no method makes a difference to it.
 double without_force(Press press,
                      std::map<std::tuple<double, double, double, double>, double>& seen) {
-  const auto key = std::tuple(press.stop_deg.first, press.stop_deg.second, press.target_deg.first,
-                              press.target_deg.second);
-  const auto known = seen.find(key);
-  if (known != seen.end()) return known->second;
+  const auto [entry, first] = seen.try_emplace({press.stop_deg.first, press.stop_deg.second,
+                                                press.target_deg.first, press.target_deg.second});
   press.force = false;
-  return seen[key] = report::press(press).max_penetration_deg;
+  if (first) entry->second = report::press(press).max_penetration_deg;
+  return entry->second;
 }
 
 void print_results(const Options& options) {
-  std::string header =
-      "method,stop_mcp_deg,stop_pip_deg,target_mcp_deg,target_pip_deg,stiffness_n_per_m,end_mcp_"
-      "deg,"
-      "end_pip_deg,max_penetration_deg,no_force_penetration_deg,peak_force_n,work_mj,verdict";
+  Line header =
+      line_of("method", "stop_mcp_deg", "stop_pip_deg", "target_mcp_deg", "target_pip_deg",
+              "stiffness_n_per_m", "end_mcp_deg", "end_pip_deg", "max_penetration_deg",
+              "no_force_penetration_deg", "peak_force_n", "work_mj", "verdict");
   if (options.joints) {
-    header +=
-        ",end_force_n,end_mcp_torque_nmm,end_pip_torque_nmm,net_work_mj,withheld_ticks,"
-        "throttled_ticks";
+    header = line_of(header, "end_force_n", "end_mcp_torque_nmm", "end_pip_torque_nmm",
+                     "net_work_mj", "withheld_ticks", "throttled_ticks");
   }
   if (options.board) {
-    header += ",peak_cell_n,end_cell_n,peak_mcp_torque_nmm,peak_pip_torque_nmm";
+    header =
+        line_of(header, "peak_cell_n", "end_cell_n", "peak_mcp_torque_nmm", "peak_pip_torque_nmm");
   }
-  std::puts(header.c_str());
+  row(header);
   std::map<std::tuple<double, double, double, double>, double> seen;
   for (Press press : runs(options)) {
     const double no_force = without_force(press, seen);
     for (const core::RendererKind kind : methods(options)) {
       press.method = kind;
       const Felt felt = report::press(press);
-      std::string line =
-          line_of(core::name(kind), press.stop_deg.first, press.stop_deg.second,
-                  press.target_deg.first, press.target_deg.second, press.stiffness,
-                  felt.end.x_deg.first, felt.end.x_deg.second, felt.max_penetration_deg, no_force,
-                  felt.peak_force, 1e3 * felt.work, verdict(felt, no_force));
+      Line line = line_of(core::name(kind), press.stop_deg.first, press.stop_deg.second,
+                          press.target_deg.first, press.target_deg.second, press.stiffness,
+                          felt.end.x_deg.first, felt.end.x_deg.second, felt.max_penetration_deg,
+                          no_force, felt.peak_force, 1e3 * felt.work, verdict(felt, no_force));
       if (options.joints) {
-        line +=
-            "," + line_of(felt.end.tau_a, 1e3 * felt.end.tau_x.first, 1e3 * felt.end.tau_x.second,
-                          1e3 * felt.net_work, felt.withheld, felt.throttled);
+        line =
+            line_of(line, felt.end.tau_a, 1e3 * felt.end.tau_x.first, 1e3 * felt.end.tau_x.second,
+                    1e3 * felt.net_work, felt.withheld, felt.throttled);
       }
       if (options.board) {
-        line += "," + line_of(felt.peak_cell, felt.end.cell, 1e3 * felt.peak_tau_x.first,
-                              1e3 * felt.peak_tau_x.second);
+        line = line_of(line, felt.peak_cell, felt.end.cell, 1e3 * felt.peak_tau_x.first,
+                       1e3 * felt.peak_tau_x.second);
       }
-      std::puts(line.c_str());
+      row(line);
     }
   }
 }
@@ -145,10 +141,8 @@ void add_finger(CLI::App& app) {
       app.add_subcommand("finger", "Presses against stops at the joints, as the finger feels them");
   command->footer(
       "Without options: the rows of tests/report/STUDY.md#chosen-presses-finger_sign_change. 999 = "
-      "no stop. Forces in "
-      "N at the actuator, "
-      "positive "
-      "towards larger l_x; peak_force_n keeps its sign. work_mj: put into the finger; negative: "
+      "no stop. Forces in N at the actuator, positive towards larger l_x; peak_force_n keeps its "
+      "sign. work_mj: put into the finger; negative: "
       "taken from it.\nverdict: ok; deeper (more than 0.5 deg beyond where the finger ends without "
       "any force); gives energy (more than the device's own damping took back).");
   auto options = std::make_shared<Options>();

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "hw/device_limits.hpp"
 #include "hw/motion/minimum_jerk.hpp"
 #include "hw/simulated/finger_physics.hpp"
 #include "tests/report/finger_press.hpp"
@@ -14,7 +13,6 @@
 namespace haptic::report {
 namespace {
 
-using core::VecA;
 using core::VecQ;
 using core::VecX;
 
@@ -24,31 +22,17 @@ constexpr double kBegin_s = 1.8;   // the way takes 0.8 s as in core/METHOD.md#f
 // tests/report/STUDY.md#chosen-presses-finger_sign_change: end state after 1.5-2 s, from its
 // beginning.
 constexpr double kPress_s = 2.0;
-constexpr double kForceLimit = 40;  // N, core/METHOD.md#forces-at-the-finger
-const double kDeviceDamping = hw::FingerParameters{}.actuator_damping;
-constexpr int kSubsteps = 10;  // of 0.1 ms, as the simulated device takes them
 
 core::PipelineConfig pipeline_for(const FingerLoop& what,
                                   std::shared_ptr<const core::Kinematics> finger) {
-  core::PipelineConfig config;
-  config.device = hw::device_limits(*finger, VecA::Constant(1, kForceLimit));
-  config.scene.renderer = what.method;
-  config.scene.direction_guard =
-      what.with == Safeguard::kGuard || what.with == Safeguard::kGuardTank;
+  core::PipelineConfig config = finger_pipeline(std::move(finger), what.method, what.stiffness);
+  config.scene.direction_guard = what.with != Safeguard::kNothing;
   config.passivity.tank.enabled = what.with == Safeguard::kGuardTank;
   config.passivity.tank.initial = what.tank_initial;
-  config.passivity.device_damping = VecA::Constant(1, kDeviceDamping);
-  config.scene.stiffness =
-      VecA::Constant(1, stiffness_of_method(what.method, what.stiffness, *finger));
-  config.scene.damping = VecA::Zero(1);
-  config.scene.force_limit = VecA::Constant(1, kForceLimit);
-  config.scene.slew_limit = VecA::Constant(1, 1e6);  // N/s: none
-  config.scene.engage_window = VecA::Constant(1, kForceLimit);
   // The ladder of proto/README.md#staleness-and-gain has its own tests; here a slow client is still
   // a client.
   config.scene.staleness.hold_end = std::chrono::milliseconds(400);
   config.scene.staleness.fade_end = std::chrono::milliseconds(500);
-  config.kinematics = std::move(finger);
   return config;
 }
 
@@ -106,8 +90,8 @@ class Device {
       static_cast<void>(finger_->inverse(VecX(path_.at(t)), q));
       return q;
     }
-    constexpr double dt = test::PipelineLoop::kTick_s / kSubsteps;
-    for (int s = kSubsteps - 1; s >= 0; --s) physics_.step(dt, path_.at(t - s * dt), tau);
+    step_tick(
+        physics_, t, [this](double at) { return path_.at(at); }, tau);
     return physics_.q();
   }
 
@@ -135,35 +119,11 @@ void account(const FingerLoop& what, const core::TickRecord& record, LoopFigures
 
 }  // namespace
 
-std::string_view name(Motion motion) noexcept {
-  switch (motion) {
-    case Motion::kCycle:
-      return "cycle";
-    case Motion::kHand:
-      return "hand";
-    case Motion::kPress:
-      return "press";
-  }
-  return "";
-}
-
-std::string_view name(Safeguard with) noexcept {
-  switch (with) {
-    case Safeguard::kNothing:
-      return "nothing";
-    case Safeguard::kGuard:
-      return "guard";
-    case Safeguard::kGuardTank:
-      return "guard_tank";
-  }
-  return "";
-}
-
 LoopFigures run(const FingerLoop& what, const std::function<void(const LoopTick&)>& observe) {
   const std::shared_ptr<const core::Kinematics> finger =
       core::make_finger_exoskeleton(chosen_linkage());
   Device device(what, finger);
-  test::PipelineLoop loop(pipeline_for(what, finger), what.client, kDeviceDamping);
+  test::PipelineLoop loop(pipeline_for(what, finger), what.client, kFingerDamping);
   const bool press = what.motion == Motion::kPress;
   const auto tick_of = [](double t) { return static_cast<int>(std::lround(t * 1000.0)); };
   const int judged = tick_of(press ? kLeave_s : kBegin_s + kCycles - 1.0);

@@ -6,7 +6,6 @@
 /// and does it: kCycles times in a second each, or presses once.
 
 #include <functional>
-#include <string_view>
 
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/report/values.hpp"
@@ -23,8 +22,12 @@ inline constexpr int kCycles = 4;  ///< core/METHOD.md#energy-tank; the last one
 
 enum class Safeguard { kNothing, kGuard, kGuardTank };
 
-[[nodiscard]] std::string_view name(Motion motion) noexcept;
-[[nodiscard]] std::string_view name(Safeguard with) noexcept;
+[[nodiscard]] inline std::string_view name(Motion motion) noexcept {
+  return name_in({"cycle", "hand", "press"}, motion);
+}
+[[nodiscard]] inline std::string_view name(Safeguard with) noexcept {
+  return name_in({"nothing", "guard", "guard_tank"}, with);
+}
 
 struct FingerLoop {
   Motion motion{Motion::kHand};

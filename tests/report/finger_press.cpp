@@ -7,7 +7,9 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "hw/device_limits.hpp"
 #include "hw/simulated/finger.hpp"
+#include "tests/report/best_force.hpp"
 #include "tests/support/virtual_board.hpp"
 
 namespace haptic::report {
@@ -20,27 +22,15 @@ using hw::emulator::VirtualBoard;
 // tests/report/STUDY.md#chosen-presses-finger_sign_change: end state after 1.5-2 s.
 constexpr double kPeriod = 1e-3;  // s
 constexpr int kTicks = 2000;
-constexpr int kEngageTick = 205;    // a steady stream of 200 ms is asked for; the hand barely moved
-constexpr double kForceLimit = 40;  // N, core/METHOD.md#forces-at-the-finger
-constexpr double kRodDamping = 0.5;     // N s/m, beyond the load cell of the emulated board
-constexpr double kDeviceDamping = 2.0;  // N s/m, core/METHOD.md#forces-at-the-finger: the simulated
-                                        // finger's own
+constexpr int kEngageTick = 205;  // a steady stream of 200 ms is asked for; the hand barely moved
+constexpr double kRodDamping = 0.5;  // N s/m, beyond the load cell of the emulated board
 
 core::PipelineConfig pipeline_for(const Press& what, const hw::Device& device,
                                   std::shared_ptr<const core::Kinematics> finger) {
-  core::PipelineConfig config;
+  core::PipelineConfig config = finger_pipeline(std::move(finger), what.method, what.stiffness);
   config.device = device.info().limits;
-  config.scene.renderer = what.method;
   config.scene.direction_guard = what.direction_guard;
   config.passivity.tank.enabled = what.energy_tank;
-  config.passivity.device_damping = VecA::Constant(1, kDeviceDamping);
-  config.scene.stiffness =
-      VecA::Constant(1, stiffness_of_method(what.method, what.stiffness, *finger));
-  config.scene.damping = VecA::Zero(1);
-  config.scene.force_limit = VecA::Constant(1, kForceLimit);
-  config.scene.slew_limit = VecA::Constant(1, 1e6);  // N/s: none
-  config.scene.engage_window = VecA::Constant(1, kForceLimit);
-  config.kinematics = std::move(finger);
   return config;
 }
 
@@ -48,7 +38,7 @@ std::unique_ptr<hw::Device> worn_device(const Press& what,
                                         const std::shared_ptr<const core::Kinematics>& finger) {
   if (what.board) {
     hw::BoardConfig config;
-    config.max_effort = VecA::Constant(1, kForceLimit);
+    config.max_effort = VecA::Constant(1, kFingerForceLimit);
     const Eigen::Vector2d target(what.target_deg.first * kDegree, what.target_deg.second * kDegree);
     return std::make_unique<VirtualBoard>(hw::emulator::EmulatorConfig{},
                                           hw::Intent(Eigen::Vector2d::Zero(), target), config,
@@ -72,12 +62,8 @@ void publish(core::TickInput& input, const VecX& x) {
 }
 
 PressTick felt_at(double t_s, const VecX& x, const core::MatXQ& J, double tau_a, double cell) {
-  const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
-  return {t_s,
-          {x[0] / kDegree, x[1] / kDegree},
-          tau_a,
-          cell,
-          {J(1, 1) / det * cell, -J(0, 1) / det * cell}};
+  const VecX w = lever(J);
+  return {t_s, {x[0] / kDegree, x[1] / kDegree}, tau_a, cell, {w[0] * cell, w[1] * cell}};
 }
 
 /// The force that really acts on the linkage, and where the finger really is: behind a board
@@ -111,12 +97,23 @@ void account(const Press& what, const PressTick& tick, Felt& felt) {
 
 }  // namespace
 
-double stiffness_of_method(core::RendererKind method, double stiffness,
-                           const core::Kinematics& finger) {
+core::PipelineConfig finger_pipeline(std::shared_ptr<const core::Kinematics> finger,
+                                     core::RendererKind method, double stiffness) {
   constexpr double kMeanOnA = 81.06;  // rad/m
   const bool baseline =
       method == core::RendererKind::kStandard || method == core::RendererKind::kNullSpace;
-  return stiffness * (baseline ? std::pow(finger.mean_actuated_jacobian() / kMeanOnA, 2) : 1);
+  if (baseline) stiffness *= std::pow(finger->mean_actuated_jacobian() / kMeanOnA, 2);
+  core::PipelineConfig config;
+  config.device = hw::device_limits(*finger, VecA::Constant(1, kFingerForceLimit));
+  config.passivity.device_damping = VecA::Constant(1, kFingerDamping);
+  config.scene.renderer = method;
+  config.scene.stiffness = VecA::Constant(1, stiffness);
+  config.scene.damping = VecA::Zero(1);
+  config.scene.force_limit = VecA::Constant(1, kFingerForceLimit);
+  config.scene.slew_limit = VecA::Constant(1, 1e6);  // N/s: none
+  config.scene.engage_window = VecA::Constant(1, kFingerForceLimit);
+  config.kinematics = std::move(finger);
+  return config;
 }
 
 Felt press(const Press& what, const std::function<void(const PressTick&)>& observe) {
@@ -136,7 +133,7 @@ Felt press(const Press& what, const std::function<void(const PressTick&)>& obser
   Felt felt;
   core::VecQ last_q;
   double last_cell = 0.0;
-  const double own_damping = board == nullptr ? kDeviceDamping : kRodDamping;
+  const double own_damping = board == nullptr ? kFingerDamping : kRodDamping;
   core::LifecycleState state{};
   VecX x_probe = VecX::Zero(2);
   core::MatXQ J;

@@ -6,11 +6,30 @@
 #include <functional>
 
 #include "haptic/core/tick/pipeline.hpp"
+#include "hw/simulated/finger_physics.hpp"
 #include "tests/report/values.hpp"
 
 namespace haptic::report {
 
-inline constexpr double kNoStop = 999.0;  ///< deg: a joint without a stop
+inline constexpr double kNoStop = 999.0;           ///< deg: a joint without a stop
+inline constexpr double kFingerForceLimit = 40.0;  ///< N, core/METHOD.md#forces-at-the-finger
+inline constexpr double kFingerDamping = 2.0;      ///< N s/m, the simulated finger's own
+
+/// The pipeline of a worn finger: no rendered damping, no slew limit, neither guard nor tank.
+/// `stiffness`: Z_q, N/m. tests/report/STUDY.md#chosen-presses-finger_sign_change compares at Z_x =
+/// Z_q/81.06^2, the mean of ||J_a|| on trajectory A. The renderers take the mean over the
+/// workspace; the stiffness of the two baselines makes up for it.
+[[nodiscard]] core::PipelineConfig finger_pipeline(std::shared_ptr<const core::Kinematics> finger,
+                                                   core::RendererKind method, double stiffness);
+
+/// Moves a worn finger on by the tick that ends at `t` s, in steps of 0.1 ms, as the simulated
+/// device takes them: the hand aims at aim(t), rad, and tau (N) is held.
+template <typename Aim>
+void step_tick(hw::FingerPhysics& physics, double t, const Aim& aim, double tau) {
+  constexpr int kSubsteps = 10;
+  constexpr double dt = 1e-3 / kSubsteps;
+  for (int s = kSubsteps - 1; s >= 0; --s) physics.step(dt, aim(t - s * dt), tau);
+}
 
 struct Press {
   Pair stop_deg{18.0, kNoStop};  ///< MCP, PIP
@@ -44,12 +63,6 @@ struct Felt {
   Pair peak_tau_x{};                ///< the torque of largest magnitude per joint, N m
   int throttled{0};                 ///< ticks in which the tank held a change back
 };
-
-/// tests/report/STUDY.md#chosen-presses-finger_sign_change compares at Z_x = Z_q/81.06^2, the mean
-/// of ||J_a|| on trajectory A. The renderers take the mean over the workspace; the stiffness of the
-/// two baselines makes up for it. N/m.
-[[nodiscard]] double stiffness_of_method(core::RendererKind method, double stiffness,
-                                         const core::Kinematics& finger);
 
 /// 2 s of it. `observe` sees every tick. Throws SceneError where the force never came on.
 [[nodiscard]] Felt press(const Press& what,

@@ -218,10 +218,9 @@ core::SerialChainParameters hard_arm() {
 }
 
 std::vector<HardFrames> hard_frames_of_finger(int count) {
-  HardFrames frames;
-  frames.map = "finger";
-  frames.unit = "rad";
-  frames.kinematics = core::make_finger_exoskeleton(chosen_linkage());
+  const HardFrames frames{.map = "finger",
+                          .unit = "rad",
+                          .kinematics = core::make_finger_exoskeleton(chosen_linkage())};
   const core::Kinematics& map = *frames.kinematics;
   std::vector<HardFrames> all{random_frames(frames, count), near_singular(frames, count),
                               at_the_box(frames, count)};
@@ -238,9 +237,7 @@ std::vector<HardFrames> hard_frames_of_finger(int count) {
   unreachable.what = "unreachable";
   for (int i = 0; i < count; ++i) {
     const VecX x = out_of_reach();
-    unreachable.q.push_back(poses.any());
-    unreachable.x.push_back(x);
-    unreachable.least.push_back(exhausted(map, x));
+    add(unreachable, poses.any(), x, exhausted(map, x));
   }
   // A tie: the nearest pose jumps between two proxies that are next to each other.
   ties.what = "at_ties";
@@ -274,10 +271,8 @@ std::vector<HardFrames> hard_frames_of_finger(int count) {
 }
 
 std::vector<HardFrames> hard_frames_of_arm(int count) {
-  HardFrames frames;
-  frames.map = "arm";
-  frames.unit = "m";
-  frames.kinematics = core::make_serial_chain(hard_arm());
+  const HardFrames frames{
+      .map = "arm", .unit = "m", .kinematics = core::make_serial_chain(hard_arm())};
   std::vector<HardFrames> all{random_frames(frames, count), near_singular(frames, count),
                               at_the_box(frames, count)};
   Poses poses(frames.kinematics, 4);
@@ -289,9 +284,7 @@ std::vector<HardFrames> hard_frames_of_arm(int count) {
     out << poses.between(-1, 1), poses.between(-1, 1), poses.between(-1, 1);
     VecX x = out * (poses.between(1.02, 2.0) * kArmReach / out.norm());
     x[2] += kArmHeight;
-    unreachable.q.push_back(poses.any());
-    unreachable.x.push_back(x);
-    unreachable.least.push_back(exhausted(poses.map(), x));
+    add(unreachable, poses.any(), x, exhausted(poses.map(), x));
     // On the turret's axis every angle of the turret is as good.
     VecX tie = VecX::Zero(3);
     const double side = poses.between(0, 1) < 0.5 ? -1.0 : 1.0;

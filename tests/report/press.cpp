@@ -10,6 +10,7 @@
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/press_study.hpp"
+#include "tests/support/percentile.hpp"
 
 namespace haptic::report {
 namespace {
@@ -19,7 +20,7 @@ constexpr double kDeeperPeak_deg = 1.0;  // at any time
 constexpr double kWeak = 0.3;            // of the running peak
 constexpr double kRounding = 1e-9;       // J
 constexpr std::uint64_t kSeed = 19;
-constexpr int kAllClients = 99;
+constexpr std::size_t kAllClients = 99;
 
 struct Options {
   std::string method{};
@@ -47,11 +48,9 @@ PressRun run_of(const RandomPress& press, core::RendererKind kind, const Options
 }
 
 std::vector<core::RendererKind> methods(const Options& options) {
-  std::vector<core::RendererKind> chosen;
-  for (const core::RendererKind kind : core::kRenderers) {
-    if (options.method.empty() || options.method == core::name(kind)) chosen.push_back(kind);
-  }
-  return chosen;
+  std::vector<core::RendererKind> all(core::kRenderers.begin(), core::kRenderers.end());
+  std::erase_if(all, [&](auto kind) { return !chosen(options.method, core::name(kind)); });
+  return all;
 }
 
 Pressed pressed(const RandomPress& press, const PressFigures& without, core::RendererKind kind,
@@ -79,13 +78,13 @@ void print_each(const Pressed& p, core::RendererKind kind, const std::string& li
   const Pair depth_end{p.with.end_deg[0], p.press.planes.size() > 1 ? p.with.end_deg[1] : 0.0};
   const Pair depth_without{p.without.end_deg[0],
                            p.press.planes.size() > 1 ? p.without.end_deg[1] : 0.0};
-  row(linkage, core::name(kind), p.press.index, name(p.press.walls), name(p.press.client),
-      p.press.stiffness, p.press.rise_s, p.press.aim_deg.first, p.press.aim_deg.second,
-      depth_without.first, depth_without.second, depth_end.first, depth_end.second, p.deeper_deg,
-      p.deeper_peak_deg, p.with.end_force, p.with.peak_force, p.with.throttled,
-      p.spared ? 0 : p.with.throttled, p.with.limited, p.with.contact, p.with.judged, p.with.off,
-      p.with.unrenderable, p.with.ghost, p.with.weakest, p.with.ripple, p.with.pushed_in,
-      1e3 * p.with.given, 1e3 * p.with.most_given, 1e3 * p.with.most_net,
+  row(linkage, core::name(kind), p.press.index, name(p.press.walls),
+      kPressClients[p.press.client].name, p.press.stiffness, p.press.rise_s, p.press.aim_deg.first,
+      p.press.aim_deg.second, depth_without.first, depth_without.second, depth_end.first,
+      depth_end.second, p.deeper_deg, p.deeper_peak_deg, p.with.end_force, p.with.peak_force,
+      p.with.throttled, p.spared ? 0 : p.with.throttled, p.with.limited, p.with.contact,
+      p.with.judged, p.with.off, p.with.unrenderable, p.with.weakest, p.with.ripple,
+      p.with.pushed_in, 1e3 * p.with.given, 1e3 * p.with.most_given, 1e3 * p.with.most_net,
       1e3 * p.untanked_most_given, p.with.throttled_step);
 }
 
@@ -127,36 +126,31 @@ struct Count {
     relief.push_back(1.0 - after / before);
     in_vain += 1.0 - after / before < 0.01;
   }
-  [[nodiscard]] double median() {
-    std::nth_element(relief.begin(), relief.begin() + static_cast<long>(relief.size() / 2),
-                     relief.end());
-    return relief[relief.size() / 2];
-  }
 };
 
 double percent(double part, double whole) {
   return whole > 0.0 ? 100.0 * part / whole : 0.0;
 }
 
-std::string summary_of(const std::string& linkage, std::string_view method, std::string_view client,
-                       Count& c) {
+Line summary_of(const std::string& linkage, std::string_view method, std::string_view client,
+                const Count& c) {
   return line_of(linkage, method, client, c.presses, c.deeper, c.worst_deg, c.deeper_peak,
                  c.worst_peak_deg, c.throttled, c.not_spared, c.weak, c.weak_unthrottled, c.weak_of,
                  percent(static_cast<double>(c.off), static_cast<double>(c.judged)),
                  percent(static_cast<double>(c.limited), static_cast<double>(c.contact)),
                  percent(static_cast<double>(c.unrenderable), static_cast<double>(c.contact)),
-                 c.pushed_in, c.over_tank, 1e3 * c.worst_net, c.ripple, percent(c.median(), 1.0),
-                 c.in_vain);
+                 c.pushed_in, c.over_tank, 1e3 * c.worst_net, c.ripple,
+                 percent(test::percentile(c.relief, 0.5), 1.0), c.in_vain);
 }
 
 /// Throws SceneError if the file cannot be written.
-void write_summary(const std::string& path, const std::vector<std::string>& lines) {
+void write_summary(const std::string& path, const std::vector<Line>& lines) {
   std::ofstream file(path);
   file << "linkage,method,client,presses,deeper,deepest_deg,deeper_at_peak,deepest_at_peak_deg,"
           "throttled,throttled_though_passive,weakening,weakening_unthrottled,weakening_of,off_pct,"
           "limited_pct,unrenderable_pct,pushed_in_ticks,over_tank,most_net_mj,rippling,"
           "median_relief_pct,in_vain\n";
-  for (const std::string& line : lines) file << line << '\n';
+  for (const Line& line : lines) file << line.text << '\n';
   if (!file.flush()) throw core::SceneError("press: cannot write " + path);
 }
 
@@ -167,10 +161,10 @@ void print(const Options& options) {
       "aim_pip_deg", "without_1_deg", "without_2_deg", "end_1_deg", "end_2_deg", "deeper_deg",
       "deeper_peak_deg", "end_force_n", "peak_force_n", "throttled_ticks",
       "throttled_though_passive_ticks", "limited_ticks", "contact_ticks", "judged_ticks",
-      "off_ticks", "unrenderable_ticks", "ghost", "weakest", "ripple_n", "pushed_in_ticks",
-      "given_mj", "most_given_mj", "most_net_mj", "untanked_most_given_mj", "throttled_step_n");
+      "off_ticks", "unrenderable_ticks", "weakest", "ripple_n", "pushed_in_ticks", "given_mj",
+      "most_given_mj", "most_net_mj", "untanked_most_given_mj", "throttled_step_n");
   const std::vector<core::RendererKind> kinds = methods(options);
-  std::map<std::pair<int, int>, Count> counts;
+  std::map<std::pair<std::size_t, std::size_t>, Count> counts;
   for (int i = 0; i < options.presses; ++i) {
     if (options.only >= 0 && i != options.only) continue;
     RandomPress press = random_press(options.seed, i, *finger);
@@ -180,18 +174,16 @@ void print(const Options& options) {
     for (std::size_t k = 0; k < kinds.size(); ++k) {
       const Pressed p = pressed(press, without, kinds[k], options, finger);
       print_each(p, kinds[k], chosen_linkage_name());
-      counts[{static_cast<int>(k), static_cast<int>(press.client)}].add(p);
-      counts[{static_cast<int>(k), kAllClients}].add(p);
+      counts[{k, press.client}].add(p);
+      counts[{k, kAllClients}].add(p);
     }
   }
   if (options.summary.empty()) return;
-  std::vector<std::string> lines;
-  for (auto& [key, count] : counts) {
+  std::vector<Line> lines;
+  for (const auto& [key, count] : counts) {
     const std::string_view client =
-        key.second == kAllClients ? "all" : name(static_cast<PressClient>(key.second));
-    lines.push_back(summary_of(chosen_linkage_name(),
-                               core::name(kinds[static_cast<std::size_t>(key.first)]), client,
-                               count));
+        key.second == kAllClients ? "all" : kPressClients[key.second].name;
+    lines.push_back(summary_of(chosen_linkage_name(), core::name(kinds[key.first]), client, count));
   }
   write_summary(options.summary, lines);
 }

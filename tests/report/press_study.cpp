@@ -4,9 +4,7 @@
 #include <cmath>
 
 #include "haptic/core/error.hpp"
-#include "hw/device_limits.hpp"
 #include "hw/motion/minimum_jerk.hpp"
-#include "hw/simulated/finger_physics.hpp"
 #include "tests/report/best_force.hpp"
 #include "tests/report/finger_press.hpp"
 #include "tests/support/link/random.hpp"
@@ -18,12 +16,9 @@ namespace {
 using core::VecA;
 using core::VecX;
 
-constexpr double kEngage_s = 0.6;   // ten samples at 60 Hz, 20 ms late, and some
-constexpr double kLeave_s = 0.9;    // the gain's ramp is over
-constexpr double kRest_s = 1.2;     // after the way: the end state
-constexpr double kForceLimit = 40;  // N
-constexpr double kDamping = 2.0;    // N s/m, the simulated finger's own
-constexpr int kSubsteps = 10;
+constexpr double kEngage_s = 0.6;    // ten samples at 60 Hz, 20 ms late, and some
+constexpr double kLeave_s = 0.9;     // the gain's ramp is over
+constexpr double kRest_s = 1.2;      // after the way: the end state
 constexpr double kJudged_deg = 0.5;  // depth from which felt torque is judged
 constexpr double kLeverage = 0.002;  // m/rad: below it a wall cannot be pushed
 constexpr double kOff = 0.1;         // felt torque is off beyond this share of the optimum
@@ -31,36 +26,19 @@ constexpr double kSmall = 0.05;      // N: no matter
 
 core::PipelineConfig pipeline_for(const RandomPress& press, const PressRun& with,
                                   std::shared_ptr<const core::Kinematics> finger) {
-  core::PipelineConfig config;
-  config.device = hw::device_limits(*finger, VecA::Constant(1, kForceLimit));
-  config.scene.renderer = with.renderer;
+  core::PipelineConfig config = finger_pipeline(std::move(finger), with.renderer, press.stiffness);
   config.derating = true;
   config.scene.direction_guard = with.guard;
   config.passivity.tank.enabled = with.tank.has_value();
   config.passivity.tank.initial = with.tank.value_or(0.0);
-  config.passivity.device_damping = VecA::Constant(1, kDamping);
   config.passivity.device_inertia = VecA::Constant(1, hw::FingerParameters{}.actuator_mass);
-  config.scene.stiffness =
-      VecA::Constant(1, stiffness_of_method(with.renderer, press.stiffness, *finger));
-  config.scene.damping = VecA::Zero(1);
-  config.scene.force_limit = VecA::Constant(1, kForceLimit);
-  config.scene.slew_limit = VecA::Constant(1, 1e6);
-  config.scene.engage_window = VecA::Constant(1, kForceLimit);
-  config.kinematics = std::move(finger);
   return config;
 }
 
 test::ClientSettings client_of(const RandomPress& press) {
-  const bool late =
-      press.client == PressClient::kHeldLate || press.client == PressClient::kPlanesLate;
-  const bool planes =
-      press.client == PressClient::kPlanes || press.client == PressClient::kPlanesLate;
-  test::ClientSettings client;
-  client.mode = planes ? core::ProxyMode::kPlanes : core::ProxyMode::kHeld;
+  const PressClient& how = kPressClients[press.client];
+  test::ClientSettings client = client_of(how.kind, how.network, {});
   client.walls = press.planes;
-  client.rate_hz = late ? 60.0 : 1000.0;
-  client.delay_s = late ? 0.020 : 0.0;
-  client.jitter = late ? 0.3 : 0.0;
   client.seed = static_cast<std::uint64_t>(press.index) + 1;
   return client;
 }
@@ -74,12 +52,12 @@ struct Judge {
   const RandomPress& press;
   BestForce best;
   double deepest[2]{-1e9, -1e9}, strongest{0.0}, last_tau{0.0};
-  double ghost_sum{0.0}, ripple_sum{0.0};
-  int ghosts{0}, ripples{0};
+  double ripple_sum{0.0};
+  int ripples{0};
   bool throttled{false};  ///< in the last tick
 
   Judge(const RandomPress& what, const core::Kinematics& finger)
-      : press(what), best(finger.space(), press.stiffness, kForceLimit) {}
+      : press(what), best(finger.space(), press.stiffness, kFingerForceLimit) {}
   void see(const test::PipelineLoop& loop, PressStudyTick& tick);
   void account(const PressStudyTick& tick, bool engaged, bool resting, PressFigures& figures);
 };
@@ -93,12 +71,6 @@ void Judge::see(const test::PipelineLoop& loop, PressStudyTick& tick) {
     tick.away[i] = -press.planes.normals.col(i).dot(w);
   }
   tick.optimum = best.at(press.planes, probe, w);
-  const VecX& asked = best.dx();
-  if (asked.norm() > 0.0 && tick.optimum != 0.0) {
-    const double along = std::abs(asked.dot(w)) / (asked.norm() * w.norm());
-    ghost_sum += std::sqrt(std::max(0.0, 1.0 - along * along));
-    ++ghosts;
-  }
 }
 
 void Judge::account(const PressStudyTick& tick, bool engaged, bool resting, PressFigures& figures) {
@@ -132,7 +104,6 @@ void Judge::account(const PressStudyTick& tick, bool engaged, bool resting, Pres
   }
   last_tau = tick.tau_a;
   figures.ripple = ripples > 0 ? std::sqrt(ripple_sum / ripples) : 0.0;
-  figures.ghost = ghosts > 0 ? ghost_sum / ghosts : 0.0;
   if (!engaged || !contact) return;
   ++figures.contact;
   const bool limited = tick.limiters.any();
@@ -153,34 +124,6 @@ void Judge::account(const PressStudyTick& tick, bool engaged, bool resting, Pres
 
 }  // namespace
 
-std::string_view name(PressClient client) noexcept {
-  switch (client) {
-    case PressClient::kHeld:
-      return "held";
-    case PressClient::kHeldLate:
-      return "held_late";
-    case PressClient::kPlanes:
-      return "planes";
-    case PressClient::kPlanesLate:
-      return "planes_late";
-  }
-  return "";
-}
-
-std::string_view name(WallKind kind) noexcept {
-  switch (kind) {
-    case WallKind::kMcp:
-      return "mcp";
-    case WallKind::kPip:
-      return "pip";
-    case WallKind::kBoth:
-      return "both";
-    case WallKind::kSlanted:
-      return "slanted";
-  }
-  return "";
-}
-
 double default_tank(const RandomPress& press) {
   const double window = 0.25 * 25.0;
   return 0.5 * window * window / press.stiffness;
@@ -191,7 +134,7 @@ RandomPress random_press(std::uint64_t seed, int index, const core::Kinematics& 
   const auto between = [&](double a, double b) { return a + (b - a) * random.uniform(); };
   RandomPress press;
   press.index = index;
-  press.client = kPressClients[static_cast<std::size_t>(index) % kPressClients.size()];
+  press.client = static_cast<std::size_t>(index) % kPressClients.size();
   press.walls = static_cast<WallKind>((index / 4) % 4);
   core::VecQ q = core::VecQ::Zero(2);
   const auto reached = [&](const Eigen::Vector2d& x) {
@@ -231,20 +174,19 @@ PressFigures run(const RandomPress& press, const PressRun& with,
                  const std::function<void(const PressStudyTick&)>& observe) {
   const Eigen::Vector2d start = degrees(press.start_deg), aim = degrees(press.aim_deg);
   hw::FingerPhysics physics({}, finger, start);
-  test::PipelineLoop loop(pipeline_for(press, with, finger), client_of(press), kDamping);
+  test::PipelineLoop loop(pipeline_for(press, with, finger), client_of(press), kFingerDamping);
   Judge judge(press, *finger);
   PressFigures figures;
   const auto tick_of = [](double t) { return static_cast<int>(std::lround(t * 1000.0)); };
   const double end_s = kLeave_s + press.rise_s + kRest_s;
   const int last = tick_of(end_s);
-  constexpr double dt = test::PipelineLoop::kTick_s / kSubsteps;
+  const auto hand = [&](double t) {
+    return start + hw::minimum_jerk((t - kLeave_s) / press.rise_s) * (aim - start);
+  };
   for (int k = 1; k <= last; ++k) {
     const double t = k * test::PipelineLoop::kTick_s;
     if (with.force && k == tick_of(kEngage_s)) loop.engage();
-    for (int s = kSubsteps - 1; s >= 0; --s) {
-      const double way = hw::minimum_jerk((t - s * dt - kLeave_s) / press.rise_s);
-      physics.step(dt, start + way * (aim - start), loop.tau());
-    }
+    step_tick(physics, t, hand, loop.tau());
     const core::TickRecord& record = loop.tick(physics.q());
     PressStudyTick tick;
     tick.t_s = t - kLeave_s;

@@ -4,23 +4,31 @@
 
 #include <functional>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/tick/pipeline.hpp"
+#include "tests/report/client_kind.hpp"
 #include "tests/report/values.hpp"
 
 namespace haptic::report {
 
 /// How the simulation sends its proxy: every tick without delay, or at 60 Hz and 20 ms late.
-enum class PressClient { kHeld, kHeldLate, kPlanes, kPlanesLate };
-inline constexpr std::array kPressClients{PressClient::kHeld, PressClient::kHeldLate,
-                                          PressClient::kPlanes, PressClient::kPlanesLate};
-[[nodiscard]] std::string_view name(PressClient client) noexcept;
+struct PressClient {
+  std::string_view name;
+  ClientKind kind;
+  Network network;
+};
+inline constexpr std::array<PressClient, 4> kPressClients{
+    {{"held", ClientKind::kHeld, {1000, 0.0}},
+     {"held_late", ClientKind::kHeld, {60, 0.020}},
+     {"planes", ClientKind::kPlanes, {1000, 0.0}},
+     {"planes_late", ClientKind::kPlanes, {60, 0.020}}}};
 
 enum class WallKind { kMcp, kPip, kBoth, kSlanted };
-[[nodiscard]] std::string_view name(WallKind kind) noexcept;
+[[nodiscard]] inline std::string_view name(WallKind kind) noexcept {
+  return name_in({"mcp", "pip", "both", "slanted"}, kind);
+}
 
 /// One press: the hand goes from its start to its aim and stays; walls n . x <= b are in the way.
 struct RandomPress {
@@ -30,7 +38,7 @@ struct RandomPress {
   Pair start_deg{}, aim_deg{};
   double rise_s{0.8};        ///< of the way, minimum jerk
   double stiffness{1500.0};  ///< Z_q, N/m
-  PressClient client{PressClient::kHeld};
+  std::size_t client{0};     ///< of kPressClients
 };
 
 /// The same for the same seed and index, whatever else is drawn. `finger`: aim, start and walls are
@@ -74,7 +82,6 @@ struct PressFigures {
   int judged{0};               ///< contact ticks without limiters, deeper than kJudged
   int off{0};                  ///< of them: felt torque more than 10 % off the optimum
   int unrenderable{0};         ///< contact ticks in which the optimum is 0 or no wall has leverage
-  double ghost{0.0};           ///< mean share of the optimum's torque that no contact asked for
   double weakest{1.0};         ///< least |tau_a| over its running peak while depth grows
   double ripple{0.0};          ///< N rms of |change of tau_a| per tick in the last 0.3 s
   double throttled_step{0.0};  ///< N, largest change per tick where the tank throttles, in contact

@@ -10,7 +10,6 @@
 #include "tests/report/chosen_linkage.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
-#include "tests/report/valid_region.hpp"
 #include "tests/report/values.hpp"
 #include "tests/support/finger_pose.hpp"
 
@@ -21,6 +20,13 @@ struct Sample {
   core::VecQ q{};
   core::VecX x{};
 };
+
+/// The valid region: the box, the sliders and the joints' own range.
+bool in_valid_region(const core::FingerDimensions& d, const core::FingerPose& pose) {
+  return pose.status == core::MapStatus::kOk && pose.c1 > d.slider1_lower &&
+         pose.c1 < d.slider1_upper && pose.c2 > d.slider2_lower && pose.c2 < d.slider2_upper &&
+         pose.q_o1 > -0.3 && pose.q_o1 < 1.75 && pose.q_o2 > -0.3 && pose.q_o2 < 2.0;
+}
 
 /// A grid of steps by steps poses over the box of q, those in the valid region.
 std::vector<Sample> region(int steps) {

@@ -23,12 +23,8 @@ struct Options {
   std::vector<std::string> motions{};
   std::string object{}, peer{}, summary{};
   std::optional<double> round_trip{}, rate{}, lost{};
-  bool trace{false}, cost{false};
+  bool trace{false};
 };
-
-bool chosen(const std::string& option, std::string_view name) {
-  return option.empty() || option == name;
-}
 
 /// Every round trip at 60 Hz, two other rates, and contacts that lose samples; with an option that
 /// one.
@@ -101,18 +97,6 @@ void print_trace(const Options& options) {
   }
 }
 
-void print_cost(const Options& options) {
-  row("object", "peer", "tick_ns", "sample_ns", "client_step_ns");
-  for (const RttScene& scene : scenes(options)) {
-    for (const RttPeer peer :
-         {RttPeer::kContacts, RttPeer::kEstimated, RttPeer::kPlanes, RttPeer::kHeld}) {
-      const RttCost c = cost(scene, {.peer = peer, .round_trip_s = kOneRoundTrip});
-      row(scene.name, name(peer), c.tick, c.sample, c.client_step);
-    }
-    std::fflush(stdout);
-  }
-}
-
 }  // namespace
 
 void add_rtt(CLI::App& app) {
@@ -124,8 +108,7 @@ void add_rtt(CLI::App& app) {
       "the shadow's peak. energy: most that was given out, beyond the same pipeline with a client "
       "at 1 kHz without delay. drag: largest force farther than 3 mm from the object. onset: most "
       "ticks by which a contact is felt late. held_back: share of the ticks in contact in which "
-      "the energy tank acted. ended: force ended early. --cost: medians in ns of a tick in "
-      "contact, of what a new sample adds to it, and of the client library's part of a step.");
+      "the energy tank acted. ended: force ended early.");
   auto o = std::make_shared<Options>();
   command->add_option("--motion", o->motions, "a recording: CSV of joint angles; may be repeated")
       ->check(CLI::ExistingFile);
@@ -141,11 +124,7 @@ void add_rtt(CLI::App& app) {
       ->check(CLI::Range(0.0, 50.0));
   command->add_option("--summary", o->summary, "writes what must hold, and whether it does");
   command->add_flag("--trace", o->trace, "the first actuator's force, tick by tick");
-  command->add_flag("--cost", o->cost, "what contacts cost, at 100 ms");
-  command->callback([o] {
-    if (o->trace) return print_trace(*o);
-    return o->cost ? print_cost(*o) : print_all(*o);
-  });
+  command->callback([o] { (o->trace ? print_trace : print_all)(*o); });
 }
 
 }  // namespace haptic::report

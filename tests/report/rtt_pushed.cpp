@@ -19,32 +19,42 @@ double pushed(double depth) {
   return kFelt * std::max(depth, 0.0);
 }
 
-/// Damping that is not told: 0.3 of the critical.
-double damping_of(const RttPushed& what) {
-  return what.damping > 0.0 ? what.damping : 0.6 * std::sqrt(what.mass * what.ground);
-}
-
-class PushedMass : public RttObject {
+/// One coordinate s of an object, which the world moves by velocity Verlet in steps of 20 us,
+/// another rule than the server's.
+class Pushed : public RttObject {
  public:
-  explicit PushedMass(const RttPushed& what) : what_(what), damping_(damping_of(what)) {}
+  explicit Pushed(const RttPushed& what)
+      : what_(what),
+        damping_(what.damping > 0.0 ? what.damping : 0.6 * std::sqrt(what.mass * what.ground)) {}
 
-  /// Velocity Verlet in steps of 20 us, another rule than the server's.
   void advance(double t, const VecX& x_probe) override {
     constexpr int kSteps = 50;
     constexpr double dt = 1e-3 / kSteps;
     if (last_.size() == 0) last_ = x_probe;
     for (int i = 1; i <= kSteps; ++i) {
-      const double part = static_cast<double>(i) / kSteps;
-      const double probe = last_[0] + part * (x_probe[0] - last_[0]);
-      load_ = disturbance(t) - what_.ground * s_;
-      const double half = v_ + 0.5 * dt * (pushed(probe - s_) + load_ - damping_ * v_) / what_.mass;
+      const VecX probe = last_ + static_cast<double>(i) / kSteps * (x_probe - last_);
+      const double half = v_ + 0.5 * dt * (push(t, probe) - damping_ * v_) / what_.mass;
       s_ += dt * half;
-      load_ = disturbance(t) - what_.ground * s_;
-      v_ = (half + 0.5 * dt * (pushed(probe - s_) + load_) / what_.mass) /
+      v_ = (half + 0.5 * dt * push(t, probe) / what_.mass) /
            (1.0 + 0.5 * dt * damping_ / what_.mass);
     }
     last_ = x_probe;
   }
+
+ protected:
+  /// Force on the object at `t` s, but for its damping, N.
+  [[nodiscard]] virtual double push(double t, const VecX& x_probe) = 0;
+
+  RttPushed what_;
+  double damping_;          // N s/m
+  double s_{0.0}, v_{0.0};  // m, m/s
+  VecX last_{};
+};
+
+class PushedMass : public Pushed {
+ public:
+  using Pushed::Pushed;
+
   [[nodiscard]] VecX proxy(double t, const VecX& x_probe) override {
     if (what_.own_steps) step(t, x_probe[0]);
     const double depth = x_probe[0] - s_;
@@ -72,6 +82,10 @@ class PushedMass : public RttObject {
   }
 
  private:
+  [[nodiscard]] double push(double t, const VecX& x_probe) override {
+    load_ = what_.disturbance * std::sin(kTurn * t) - what_.ground * s_;
+    return pushed(x_probe[0] - s_) + load_;
+  }
   /// Steps as a simulation with a step per sample would: all forces as they were, then the place.
   void step(double t, double probe) {
     const double dt = last_.size() == 0 ? 0.0 : t - stepped_;
@@ -82,34 +96,16 @@ class PushedMass : public RttObject {
     stepped_ = t;
     last_ = VecX::Constant(1, probe);
   }
-  [[nodiscard]] double disturbance(double t) const {
-    return what_.disturbance * std::sin(kTurn * t);
-  }
 
-  RttPushed what_;
-  double damping_;                      // N s/m
-  double s_{0.0}, v_{0.0}, load_{0.0};  // m, m/s, N
-  double stepped_{0.0};                 // s
-  VecX last_{};
+  double load_{0.0};     // N
+  double stepped_{0.0};  // s
 };
 
 /// The block between two fingers, one per coordinate, on a damper.
-class PushedBlock : public RttObject {
+class PushedBlock : public Pushed {
  public:
-  explicit PushedBlock(const RttPushed& what) : what_(what), damping_(damping_of(what)) {}
+  using Pushed::Pushed;
 
-  void advance(double, const VecX& x_probe) override {
-    constexpr int kSteps = 50;
-    constexpr double dt = 1e-3 / kSteps;
-    if (last_.size() == 0) last_ = x_probe;
-    for (int i = 1; i <= kSteps; ++i) {
-      const VecX probe = last_ + static_cast<double>(i) / kSteps * (x_probe - last_);
-      const double half = v_ + 0.5 * dt * (net(probe) - damping_ * v_) / what_.mass;
-      s_ += dt * half;
-      v_ = (half + 0.5 * dt * net(probe) / what_.mass) / (1.0 + 0.5 * dt * damping_ / what_.mass);
-    }
-    last_ = x_probe;
-  }
   [[nodiscard]] VecX proxy(double, const VecX& x_probe) override {
     VecX x = x_probe;
     for (int i = 0; i < 2; ++i) {
@@ -147,15 +143,9 @@ class PushedBlock : public RttObject {
   /// Towards finger i along its coordinate.
   static double side(int i) { return i == 0 ? -1.0 : 1.0; }
   [[nodiscard]] double gap(int i, const VecX& x) const { return side(i) * (x[i] - s_) - kHalf; }
-  [[nodiscard]] double force(int i, const VecX& x_probe) const { return pushed(-gap(i, x_probe)); }
-  [[nodiscard]] double net(const VecX& x_probe) const {
-    return force(0, x_probe) - force(1, x_probe);
+  [[nodiscard]] double push(double, const VecX& x_probe) override {
+    return pushed(-gap(0, x_probe)) - pushed(-gap(1, x_probe));
   }
-
-  RttPushed what_;
-  double damping_;          // N s/m
-  double s_{0.0}, v_{0.0};  // m, m/s
-  VecX last_{};
 };
 
 }  // namespace

@@ -4,12 +4,12 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "hw/motion/motion_csv.hpp"
 #include "hw/motion/pchip.hpp"
 #include "hw/simulated/finger.hpp"
 #include "server/owner/scene/shipped.hpp"
 #include "tests/report/chosen_linkage.hpp"
 #include "tests/report/felt_study.hpp"
+#include "tests/report/finger_press.hpp"
 #include "tests/report/rtt_study.hpp"
 #include "tests/support/loop/rails.hpp"
 
@@ -19,10 +19,7 @@ namespace {
 using core::VecA;
 using core::VecQ;
 
-constexpr int kSubsteps = 10;
-constexpr double kStep = 1e-3 / kSubsteps;  // s
-constexpr double kLowest = 3.0 * kDegree;   // of a recording's joints
-constexpr double kLongest = 12.0;           // s, of a recording
+constexpr double kLongest = 12.0;  // s, of a recording
 constexpr double kSeconds = 8.0;
 
 /// Masses on rails, each moved by a hand through a spring and a damper.
@@ -86,9 +83,8 @@ class WornFinger final : public RttBody {
       : aim_(std::move(aim)), physics_(device.finger, device.pipeline.kinematics, aim_(0.0)) {}
 
   void step(double t, const VecA& tau) override {
-    for (int s = kSubsteps - 1; s >= 0; --s) {
-      physics_.step(kStep, aim_(std::max(0.0, t - s * kStep)), tau[0]);
-    }
+    step_tick(
+        physics_, t, [this](double at) { return aim_(std::max(0.0, at)); }, tau[0]);
   }
   [[nodiscard]] VecQ q() const override { return physics_.q(); }
 
@@ -115,13 +111,8 @@ class LedFinger final : public RttBody {
   VecQ q_;
 };
 
-/// A recording, shifted so that no joint is below kLowest: where zero is was not recorded exactly.
 Motion recorded(const std::string& file, double& seconds) {
-  hw::MotionTable table = hw::read_motion_csv(file, {hw::joint_angle_columns()});
-  for (std::vector<double>& joint : table.values) {
-    const double lowest = *std::min_element(joint.begin(), joint.end());
-    for (double& angle : joint) angle += std::max(0.0, kLowest - lowest);
-  }
+  const hw::MotionTable table = flexed_recording(file);
   const auto mcp = std::make_shared<hw::Pchip>(table.time_s, table.values[0]);
   const auto pip = std::make_shared<hw::Pchip>(table.time_s, table.values[1]);
   seconds = std::min(mcp->last(), kLongest);

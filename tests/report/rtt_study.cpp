@@ -14,7 +14,6 @@ namespace haptic::report {
 namespace {
 
 using core::VecX;
-using Clock = std::chrono::steady_clock;
 
 constexpr double kEngage_s = 1.0;  // ten samples at 30 Hz, 200 ms late, some lost
 constexpr double kBegin_s = 1.4;   // the gain's ramp is over
@@ -27,12 +26,10 @@ std::chrono::nanoseconds span(double s) {
   return std::chrono::nanoseconds(static_cast<std::int64_t>(std::llround(1e9 * s)));
 }
 
-/// One step of the simulation with a look at the device. `library_ns`, if given: what of it the
-/// client library took.
+/// One step of the simulation with a look at the device.
 std::function<void(test::Frame&)> simulation(const RttScene& scene,
                                              const std::shared_ptr<RttObject>& world,
-                                             const RttRun& how, const RttHorizon& near,
-                                             std::vector<double>* library_ns) {
+                                             const RttRun& how, const RttHorizon& near) {
   const RttPeer peer = how.peer;
   const std::shared_ptr<RttObject> object = scene.one_world ? world : scene.object();
   std::vector<client::VirtualCoordinate> coordinates;
@@ -44,7 +41,6 @@ std::function<void(test::Frame&)> simulation(const RttScene& scene,
     frame.x = object->proxy(frame.computed_s, frame.x_probe);
     if (peer == RttPeer::kHeld || peer == RttPeer::kHeldForce || peer == RttPeer::kTdpa) return;
     const std::vector<double> x_probe = to_std(frame.x_probe);
-    const auto begun = Clock::now();
     std::vector<client::Plane> planes;
     if (peer == RttPeer::kContacts) {
       planes = object->contacts(frame.computed_s, frame.x, near);
@@ -56,16 +52,13 @@ std::function<void(test::Frame&)> simulation(const RttScene& scene,
       planes = client::derive_planes(coordinates, to_std(frame.x), x_probe, blocks);
     }
     client::keep_deepest(coordinates, to_std(frame.x), x_probe, planes);
-    if (library_ns != nullptr) {
-      library_ns->push_back(std::chrono::duration<double, std::nano>(Clock::now() - begun).count());
-    }
     frame.walls = test::plane_set(planes, static_cast<int>(frame.x.size()));
     frame.anchored = peer != RttPeer::kPlanes && !planes.empty();
   };
 }
 
 test::ClientSettings client_for(const RttScene& scene, const std::shared_ptr<RttObject>& world,
-                                const RttRun& how, std::vector<double>* library_ns = nullptr) {
+                                const RttRun& how) {
   constexpr double kEveryTick_hz = 1000.0;
   test::ClientSettings client;
   const bool planes = how.peer == RttPeer::kContacts || how.peer == RttPeer::kEstimated ||
@@ -81,7 +74,7 @@ test::ClientSettings client_for(const RttScene& scene, const std::shared_ptr<Rtt
   const RttHorizon near{
       client::contact_horizon(span(std::max(how.round_trip_s, 1e-9)), span(period)),
       0.5 * (how.round_trip_s + period)};
-  client.simulate = simulation(scene, world, how, near, library_ns);
+  client.simulate = simulation(scene, world, how, near);
   return client;
 }
 
@@ -127,32 +120,7 @@ void advance(const RttScene& scene, RttObject& object, double t, const core::Vec
   if (map.position(q, x_probe) == core::MapStatus::kOk) object.advance(t, x_probe);
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
-
-std::string_view name(RttPeer peer) noexcept {
-  switch (peer) {
-    case RttPeer::kContacts:
-      return "contacts";
-    case RttPeer::kEstimated:
-      return "estimated";
-    case RttPeer::kPlanes:
-      return "derived_planes";
-    case RttPeer::kHeld:
-      return "held";
-    case RttPeer::kHeldForce:
-      return "held_force";
-    case RttPeer::kTdpa:
-      return "tdpa";
-  }
-  return "";
-}
 
 RttFigures run(const RttScene& scene, const RttRun& how,
                const std::function<void(const RttTick&)>& observe) {
@@ -218,37 +186,6 @@ RttFigures run(const RttScene& scene, const RttRun& how,
     figures.samples_hz = how.rate_hz * (1.0 - how.lost);  // the local law makes one of every tick
   }
   return figures;
-}
-
-RttCost cost(const RttScene& scene, const RttRun& how) {
-  constexpr int kMost = 3000;  // ticks, so that their inputs fit into memory
-  const std::shared_ptr<RttObject> object = scene.object();
-  std::vector<double> library_ns, tick_ns, sample_ns;
-  test::PipelineLoop loop(felt_config(scene, how.peer), client_for(scene, object, how, &library_ns),
-                          scene.device_damping);
-  const std::unique_ptr<RttBody> body = scene.body();
-  std::vector<core::TickInput> inputs;
-  core::VecA tau = core::VecA::Zero(scene.pipeline.kinematics->layout().n_a());
-  for (int k = 1; k <= kMost; ++k) {
-    const double t = k * test::PipelineLoop::kTick_s;
-    if (k == tick_of(kEngage_s)) loop.engage();
-    body->step(t - kBegin_s, tau);
-    advance(scene, *object, t, body->q());
-    inputs.push_back(loop.tick(body->q()).input);
-    tau = loop.tau_a();
-  }
-  core::Pipeline replay(felt_config(scene, how.peer));
-  std::uint64_t last = 0;
-  for (const core::TickInput& input : inputs) {
-    const auto begun = Clock::now();
-    const core::TickRecord record = replay.tick(input);
-    const double ns = std::chrono::duration<double, std::nano>(Clock::now() - begun).count();
-    const bool fresh = std::exchange(last, record.proxy.seq) != record.proxy.seq;
-    if (record.anchor.in_the_way) (fresh ? sample_ns : tick_ns).push_back(ns);
-  }
-  RttCost cost{.tick = median(tick_ns), .client_step = median(library_ns)};
-  cost.sample = median(sample_ns) - cost.tick;
-  return cost;
 }
 
 }  // namespace haptic::report

@@ -5,13 +5,13 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "haptic/client/planes.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/report/analysis/shadow_judge.hpp"
 #include "tests/report/rtt_object.hpp"
+#include "tests/report/values.hpp"
 
 namespace haptic::report {
 
@@ -26,7 +26,9 @@ enum class RttPeer {
 };
 inline constexpr RttPeer kRttPeers[]{RttPeer::kContacts, RttPeer::kEstimated, RttPeer::kPlanes,
                                      RttPeer::kHeld,     RttPeer::kHeldForce, RttPeer::kTdpa};
-[[nodiscard]] std::string_view name(RttPeer peer) noexcept;
+[[nodiscard]] inline std::string_view name(RttPeer peer) noexcept {
+  return name_in({"contacts", "estimated", "derived_planes", "held", "held_force", "tdpa"}, peer);
+}
 
 /// Hand that moves the device, and gives way to its force or does not.
 class RttBody {
@@ -78,13 +80,5 @@ struct RttFigures {
 /// Throws SceneError where the force never came on.
 [[nodiscard]] RttFigures run(const RttScene& scene, const RttRun& how,
                              const std::function<void(const RttTick&)>& observe = {});
-
-/// Cost of contacts, ns, medians over the motion.
-struct RttCost {
-  double tick{0.0};         ///< of the pipeline without a new sample
-  double sample{0.0};       ///< more in a tick with one
-  double client_step{0.0};  ///< of the client library: contact_at(), keep_deepest()
-};
-[[nodiscard]] RttCost cost(const RttScene& scene, const RttRun& how);
 
 }  // namespace haptic::report

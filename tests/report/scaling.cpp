@@ -1,6 +1,5 @@
 /// haptic-report scaling: what a tick of a hand costs, by fingers declared and fingers in contact.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -8,9 +7,11 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/core/tick/pipeline.hpp"
+#include "tests/bench/single_calls.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/values.hpp"
+#include "tests/support/percentile.hpp"
 #include "tests/support/pressing_hand.hpp"
 
 namespace haptic::report {
@@ -53,34 +54,18 @@ class Hand {
     input_.command.lease_held = true;
     for (int i = 0; i < 700; ++i) {
       if (i == 260) ++input_.command.engage_id;
-      prepare();
-      state_ = pipeline_.tick(input_).life.state;
+      state_ = pipeline_.tick(prepare()).life.state;
     }
     if (state_ != core::LifecycleState::kEngaged) {
       throw core::SceneError("scaling: the hand did not engage; a tick without force is no figure");
     }
   }
 
-  /// Median of `ticks` single ticks in ns, the clock's own cost taken off.
+  /// ns, of `ticks` single ticks.
   double median_tick(int ticks) {
-    using Clock = std::chrono::steady_clock;
-    std::vector<double> spent, clock;
-    for (int i = 0; i < ticks; ++i) {
-      prepare();
-      const auto before = Clock::now(), start = Clock::now();
-      const core::TickRecord record = pipeline_.tick(input_);
-      const auto end = Clock::now();
-      force_ += record.effort.tau_a[0];
-      clock.push_back(std::chrono::duration<double, std::nano>(start - before).count());
-      spent.push_back(std::chrono::duration<double, std::nano>(end - start).count());
-    }
-    return middle(spent) - middle(clock);
-  }
-  [[nodiscard]] double force() const { return force_; }
-
-  static double middle(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-    return values[values.size() / 2];
+    return bench::p50_of_calls(
+        0, ticks, [this](int) -> const core::TickInput& { return prepare(); },
+        [this](const core::TickInput& input) { force_ += pipeline_.tick(input).effort.tau_a[0]; });
   }
 
  private:
@@ -121,7 +106,7 @@ class Hand {
       x_.push_back(proxy);
     }
   }
-  void prepare() {
+  const core::TickInput& prepare() {
     const auto k = static_cast<std::size_t>(tick_ % kPoses);
     input_.now += std::chrono::milliseconds(1);
     input_.device.fresh = true;
@@ -137,11 +122,12 @@ class Hand {
       ++proxy.gapless_samples;
       proxy.born = input_.now;
       proxy.x = x_[k];
-      if (mode_ != core::ProxyMode::kPlanes) return;
+      if (mode_ != core::ProxyMode::kPlanes) return input_;
       proxy.planes.normals.setZero(proxy.x.size(), in_contact_);  // one on each PIP joint
       proxy.planes.offsets.setConstant(in_contact_, kStopPip);
       for (int f = 0; f < in_contact_; ++f) proxy.planes.normals(2 * f + 1, f) = 1.0;
     }
+    return input_;
   }
 
   std::shared_ptr<const core::Kinematics> map_;
@@ -198,7 +184,7 @@ double idle_share(const std::vector<Row>& rows, const Row& like) {
   for (std::size_t turn = 0; turn < one.size(); ++turn) {
     shares.push_back(100.0 * (idle[turn] - one[turn]) / (contact[turn] - one[turn]));
   }
-  return Hand::middle(shares);
+  return test::percentile(shares, 0.5);
 }
 
 void print_scaling(int ticks) {
@@ -210,7 +196,8 @@ void print_scaling(int ticks) {
   row("method", "proxy", "fingers_declared", "fingers_in_contact", "tick_ns", "idle_share_pct");
   for (const Row& one : rows) {
     row(core::name(one.kind), one.way->name, one.declared, one.in_contact,
-        Hand::middle(one.medians), one.declared == kFingers ? idle_share(rows, one) : std::nan(""));
+        test::percentile(one.medians, 0.5),
+        one.declared == kFingers ? idle_share(rows, one) : std::nan(""));
   }
 }
 
@@ -224,9 +211,10 @@ void add_scaling(CLI::App& app) {
       "idle: at rest with a held proxy, moving freely with planes, alone or with direction guard, "
       "tank and observer (planes_guarded); frames at 60 Hz. Median tick in ns; the rows take "
       "turns, "
-      "20 times.\nidle_share_pct: an idle declared finger (against one "
-      "finger less), in % of a finger in contact (against the same finger not declared); from the "
-      "rows with one contact and with all, turn by turn, median.");
+      "20 times.\nidle_share_pct: an idle declared finger (against one finger less), in % of a "
+      "finger in contact (against the same finger not declared); from the rows with one contact "
+      "and "
+      "with all, turn by turn, median.");
   auto ticks = std::make_shared<int>(1000);
   command->add_option("--ticks", *ticks, "ticks per turn and row (1000)")
       ->check(CLI::Range(16, 1'000'000));

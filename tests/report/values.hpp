@@ -2,7 +2,9 @@
 /// Two numbers in one argument, "A,B", and the words the subcommands share.
 
 #include <array>
+#include <initializer_list>
 #include <string>
+#include <string_view>
 
 #include "haptic/core/rendering/renderer_kind.hpp"
 
@@ -13,6 +15,13 @@ inline constexpr double kDegree = 0.017453292519943295;  ///< rad
 inline constexpr std::array<core::RendererKind, 4> kMethods{
     core::RendererKind::kStandard, core::RendererKind::kNullSpace,
     core::RendererKind::kSubspaceLinear, core::RendererKind::kSubspaceExact};
+
+/// Name of an enumerator that counts from 0, on the command line and in the tables.
+template <typename Enum>
+[[nodiscard]] std::string_view name_in(std::initializer_list<std::string_view> names,
+                                       Enum value) noexcept {
+  return names.begin()[static_cast<std::size_t>(value)];
+}
 
 struct Pair {
   double first{0.0};

@@ -1,6 +1,9 @@
 #include "tests/report/analysis/displayed_impedance.hpp"
 
+#include <Eigen/QR>
 #include <cmath>
+
+#include "haptic/core/linear/householder.hpp"
 
 namespace haptic::core {
 
@@ -13,6 +16,31 @@ struct Pose {
   MatXQ J_a{};
   MatXQ J_n{};
 };
+
+struct FullColumnRank {
+  MatAX inverse{};  ///< A^+, n by n_x
+  MatXX off{};      ///< I - A A^+, the projector onto what A does not reach
+};
+
+/// Empty if the rank of A, n_x by n, is below n. Columns are scaled to unit length first, so that
+/// no choice of units looks like a lost rank.
+std::optional<FullColumnRank> full_column_rank(const MatXQ& A) {
+  const Eigen::Index m = A.rows(), n = A.cols();
+  FullColumnRank result{MatAX(n, m), MatXX::Identity(m, m)};
+  if (n == 0) return result;
+  if (m < n) return std::nullopt;
+  const VecQ norms = A.colwise().norm().transpose();
+  if (!(norms.minCoeff() > 0.0)) return std::nullopt;
+  // Offline, so sized freely: the compiler knows these types already.
+  const Eigen::MatrixXd scaled = A * norms.cwiseInverse().asDiagonal();
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
+  qr.setThreshold(kRankThreshold);
+  if (qr.rank() < n) return std::nullopt;
+  const Eigen::MatrixXd pseudo_inverse = qr.solve(Eigen::MatrixXd::Identity(m, m));
+  result.inverse = norms.cwiseInverse().asDiagonal() * pseudo_inverse;
+  result.off.noalias() -= A * result.inverse;
+  return result;
+}
 
 MatXQ columns(const MatXQ& J, const DofLayout& layout, bool actuated) {
   const int n = actuated ? layout.n_a() : layout.n_n();

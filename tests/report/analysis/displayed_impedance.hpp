@@ -15,11 +15,12 @@
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/rendering/renderer_kind.hpp"
 #include "haptic/core/types.hpp"
-#include "tests/report/analysis/full_column_rank.hpp"
 
 namespace haptic::core {
 
 using MatAQ = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxQ, kMaxQ>;
+using MatAX = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxQ, kMaxX>;
+using MatXX = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxX, kMaxX>;
 
 /// The two stiffnesses a comparison needs: that of the subspace methods and that of the baselines.
 struct RenderingImpedance {

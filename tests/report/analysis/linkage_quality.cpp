@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/src/model/finger_linkage.hpp"
+#include "tests/support/percentile.hpp"
 
 namespace haptic::core {
 
@@ -40,20 +41,12 @@ std::optional<LinkageNode> node_of(const FingerLinkage& linkage, double mcp, dou
   }
   const double det = pose.det();
   return LinkageNode{.l = closed.l,
-                     .t = closed.t,
                      .c1 = closed.c1,
                      .c2 = closed.c2,
                      .w1 = pose.J(1, 1) / det,
                      .w2 = -pose.J(0, 1) / det,
                      .condition = condition(pose),
                      .pivot_height = d.rail_origin.y + closed.l * std::sin(d.rail_angle)};
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return NAN;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -90,8 +83,6 @@ LinkageQuality linkage_quality(const FingerDimensions& dimensions, double step) 
       strong += node->w1 >= kStrong && node->w2 >= kStrong ? 1 : 0;
       q.w1.add(node->w1);
       q.w2.add(node->w2);
-      q.l.add(node->l);
-      q.t.add(node->t);
       q.c1.add(node->c1);
       q.c2.add(node->c2);
       q.condition.add(node->condition);
@@ -106,9 +97,9 @@ LinkageQuality linkage_quality(const FingerDimensions& dimensions, double step) 
   if (reached == 0) return q;
   q.both_positive = static_cast<double>(positive) / reached;
   q.both_strong = static_cast<double>(strong) / reached;
-  q.median_condition = median(conditions);
-  q.median_felt_mcp = median(felt_mcp);
-  q.median_felt_pip = median(felt_pip);
+  q.median_condition = test::percentile(conditions, 0.5);
+  q.median_felt_mcp = test::percentile(felt_mcp, 0.5);
+  q.median_felt_pip = test::percentile(felt_pip, 0.5);
   q.stroke = travel.width();
   return q;
 }

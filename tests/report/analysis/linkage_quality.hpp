@@ -11,7 +11,7 @@ namespace haptic::core {
 
 /// One pose that the linkage reaches.
 struct LinkageNode {
-  double l{0.0}, t{0.0};     ///< m, rad
+  double l{0.0};             ///< m
   double c1{0.0}, c2{0.0};   ///< m
   double w1{0.0}, w2{0.0};   ///< m/rad at MCP and PIP
   double condition{0.0};     ///< of J, with l in units of 20 mm
@@ -34,7 +34,7 @@ struct LinkageQuality {
   double with_straight{0.0};  ///< share of the workspace and of the overstretched finger
   double both_positive{0.0};  ///< share of the poses reached with w1, w2 > 0
   double both_strong{0.0};    ///< with w1, w2 >= 5 mm/rad
-  Range w1{}, w2{}, l{}, t{}, c1{}, c2{}, condition{}, pivot_height{};
+  Range w1{}, w2{}, c1{}, c2{}, condition{}, pivot_height{};
   double median_condition{0.0};
   double median_felt_mcp{0.0}, median_felt_pip{0.0};  ///< w Z w^T at 1500 N/m, N m/rad
   double stroke{0.0};  ///< of the workspace and the overstretched finger, m

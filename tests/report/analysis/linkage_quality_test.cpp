@@ -10,18 +10,6 @@
 namespace haptic::core {
 namespace {
 
-/// w from the poses that core/METHOD.md#finger-linkage prints: (J22, -J12) / det J.
-TEST(LinkageQuality, WeighsTheForceByTheInverse) {
-  const auto at_30_30 = linkage_node(finger_sign_change(), 30 * kDegree, 30 * kDegree);
-  ASSERT_TRUE(at_30_30);
-  const double det = -47.670 * 0.484 + 1.424 * 78.460;
-  EXPECT_NEAR(at_30_30->w1, 0.484 / det, 1e-5);
-  EXPECT_NEAR(at_30_30->w2, 1.424 / det, 1e-5);
-  const auto corner = linkage_node(finger_sign_change(), 10 * kDegree, 40 * kDegree);
-  ASSERT_TRUE(corner);
-  EXPECT_LT(corner->w1, 0.0);
-}
-
 /// The gradient of q_a(x) by differences of the closed inverse.
 TEST(LinkageQuality, IsTheGradientOfTravel) {
   const double h = 1e-5;
@@ -47,12 +35,6 @@ TEST(LinkageQuality, DefaultNeverTurnsItsSign) {
   EXPECT_GT(q.w2.lowest, 0.004);
   EXPECT_LT(q.condition.highest, 15.0);
   EXPECT_GT(q.pivot_height.lowest, -0.010);
-}
-
-TEST(LinkageQuality, KeepsTheOldSignChange) {
-  const LinkageQuality q = linkage_quality(finger_sign_change(), 1.0);
-  EXPECT_NEAR(q.both_positive, 0.683, 0.001);
-  EXPECT_NEAR(q.pivot_height.lowest, 0.0085, 0.0001);
 }
 
 TEST(DifferentialEvolution, FindsRosenbrocksValley) {

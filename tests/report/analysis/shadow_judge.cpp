@@ -3,18 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/support/percentile.hpp"
+
 namespace haptic::report {
-
-namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-}  // namespace
 
 void ShadowJudge::add(const ShadowTick& tick) {
   const double elastic = tick.elastic.norm();
@@ -58,8 +49,8 @@ ShadowFigures ShadowJudge::figures() const {
   figures.held_back = static_cast<double>(held_back_) / ticks;
   figures.bounded = static_cast<double>(errors_.size()) / ticks;
   figures.kept = 1.0 - static_cast<double>(broken_) / static_cast<double>(std::max(bounds_, 1L));
-  figures.error_median = median(errors_);
-  figures.bound_median = median(promised_);
+  figures.error_median = test::percentile(errors_, 0.5);
+  figures.bound_median = test::percentile(promised_, 0.5);
   return figures;
 }
 

@@ -122,14 +122,6 @@ bool draw_pose(const core::Kinematics& map, Random& random, core::VecQ& q) {
     goal[i] = uniform(random, 0.0, 80 * kDegree);
     goal[i + 1] = uniform(random, 0.0, 90 * kDegree);
   }
-  switch (map.blocks().empty() ? map.inverse(goal, q) : core::InverseStatus::kNotOffered) {
-    case core::InverseStatus::kExact:
-      return true;
-    case core::InverseStatus::kUnreachable:
-      return false;
-    case core::InverseStatus::kNotOffered:
-      break;
-  }
   if (!map.blocks().empty()) {  // a hand: each finger by itself
     for (const core::MapBlock& block : map.blocks()) {
       core::VecQ finger;
@@ -138,6 +130,8 @@ bool draw_pose(const core::Kinematics& map, Random& random, core::VecQ& q) {
     }
     return true;
   }
+  const core::InverseStatus status = map.inverse(goal, q);
+  if (status != core::InverseStatus::kNotOffered) return status == core::InverseStatus::kExact;
   for (int i = 0; i < n_q; ++i) {
     const core::DofSpec& dof = map.dofs()[static_cast<std::size_t>(i)];
     q[i] = uniform(random, dof.lower, dof.upper);
@@ -179,16 +173,9 @@ core::MatXX general_Z_x(int n_x, Random& random) {
   return Q * e.asDiagonal() * Q.transpose();
 }
 
-/// d tau/dq, n_q by n_q, in units of the ranges.
-Matrix whole(const MatAQ& impedance, const core::Kinematics& map, const core::VecQ& range) {
-  const core::DofLayout& layout = map.layout();
-  Matrix D = Matrix::Zero(layout.n_q(), layout.n_q());
-  for (int a = 0; a < layout.n_a(); ++a) {
-    const int row_of = layout.actuated(a);
-    for (int k = 0; k < layout.n_q(); ++k)
-      D(row_of, k) = impedance(a, k) * range[row_of] * range[k];
-  }
-  return D;
+/// d tau_a/dq, n_a by n_q, in units of the ranges.
+Matrix scaled(const MatAQ& impedance, const core::Kinematics& map, const core::VecQ& range) {
+  return map.layout().select(range).asDiagonal() * impedance * range.asDiagonal();
 }
 
 struct Judged {
@@ -199,21 +186,17 @@ struct Judged {
   double largest{0.0};       ///< eigenvalue of the symmetric part over the largest magnitude
 };
 
-Judged judge(const Matrix& D, const core::DofLayout& layout) {
-  const int n_a = layout.n_a();
-  Matrix a(n_a, n_a);
-  double sensed = 0.0;
+Judged judge(const Matrix& impedance, const core::DofLayout& layout) {
+  const int n_a = layout.n_a(), n_q = layout.n_q();
+  Matrix a(n_a, n_a), D = Matrix::Zero(n_q, n_q);
   for (int i = 0; i < n_a; ++i) {
-    double row_sum = D.row(layout.actuated(i)).squaredNorm();
-    for (int k = 0; k < n_a; ++k) {
-      a(i, k) = D(layout.actuated(i), layout.actuated(k));
-      row_sum -= a(i, k) * a(i, k);
-    }
-    sensed += std::max(0.0, row_sum);
+    a.col(i) = impedance.col(layout.actuated(i));
+    D.row(layout.actuated(i)) = impedance.row(i);
   }
   const Eigen::VectorXd e =
       Eigen::SelfAdjointEigenSolver<Matrix>(0.5 * (a + a.transpose())).eigenvalues();
   const double norm = std::max(D.norm(), 1e-300);
+  const double sensed = std::max(0.0, D.squaredNorm() - a.squaredNorm());
   return {.negative = e.maxCoeff() < 0.0,
           .no_sensed = std::sqrt(sensed) < 1e-7 * norm,
           .conservative = (D - D.transpose()).norm() < kRounding * norm,
@@ -246,12 +229,8 @@ struct Tally {
 
 core::RenderingImpedance impedance_of(const core::Kinematics& map, const State& s, bool general,
                                       Random& random) {
-  const core::DofLayout& layout = map.layout();
   core::RenderingImpedance z;
-  z.Z_q.resize(layout.n_a());
-  for (int a = 0; a < layout.n_a(); ++a) {
-    z.Z_q[a] = 1.0 / std::pow(s.range[layout.actuated(a)], 2);
-  }
+  z.Z_q = map.layout().select(s.range).array().square().inverse();
   const int n_x = map.space().n_x();
   z.Z_x = general ? general_Z_x(n_x, random) : core::MatXX(core::MatXX::Identity(n_x, n_x));
   return z;
@@ -282,8 +261,8 @@ void print_device(const Device& device) {
           const core::RenderingImpedance z = impedance_of(map, s, general, random);
           const auto formula = core::theoretical_impedance(kind, map, s.q, z);
           const auto true_one = core::exact_impedance(kind, map, s.q, s.x, z);
-          if (formula) theory.add(judge(whole(*formula, map, s.range), map.layout()), s);
-          if (true_one) exact.add(judge(whole(*true_one, map, s.range), map.layout()), s);
+          if (formula) theory.add(judge(scaled(*formula, map, s.range), map.layout()), s);
+          if (true_one) exact.add(judge(scaled(*true_one, map, s.range), map.layout()), s);
         }
         const char* Z_x = subspace ? "-" : general ? "general" : "k I";
         // The formulas do not see the proxy: once is enough.

@@ -204,7 +204,7 @@ void add_closed_loop(CLI::App& app) {
   auto o = std::make_shared<Options>();
   command->add_option("--motion", o->motion, "this motion alone")
       ->check(CLI::IsMember({"cycle", "hand", "press"}));
-  command->add_option("--stop", o->stop, "M_DEG,P_DEG, 999 = none (MCP, PIP, both; free space)");
+  add_pair(*command, "--stop", o->stop, "M_DEG,P_DEG, 999 = none (MCP, PIP, both; free space)");
   command->add_option("--method", o->method, "this method alone")
       ->check(CLI::IsMember(
           {"standard", "null_space", "subspace_linear", "subspace_exact", "q_metric"}));

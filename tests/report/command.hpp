@@ -13,6 +13,12 @@ namespace haptic::report {
   return option.empty() || option == name;
 }
 
+/// An option of two numbers, "A,B".
+template <typename To>
+CLI::Option* add_pair(CLI::App& command, const std::string& name, To& to, const std::string& help) {
+  return command.add_option(name, to, help)->delimiter(',')->check(CLI::Range(-1000.0, 1000.0));
+}
+
 void add_linkage(CLI::App& app);
 void add_fig4(CLI::App& app);
 void add_claims(CLI::App& app);

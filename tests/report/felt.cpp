@@ -145,8 +145,8 @@ void print(const FeltMotions& motions, const Cell& cell, const std::string& of,
       return figure(sum_at(index));
     });
   };
-  const auto share = [](long part, const FeltSums& of) {
-    return percent(static_cast<double>(part), static_cast<double>(of.ticks));
+  const auto share = [](long part, const FeltSums& sums) {
+    return percent(static_cast<double>(part), static_cast<double>(sums.ticks));
   };
   FeltSums all;
   for (const FeltSums& one : by_motion) all += one;

@@ -61,7 +61,8 @@ Path from_grasp(const core::Kinematics& finger, const Options& options) {
     path.time_s.push_back(static_cast<double>(i) / grasp.sample_rate);
   }
   if (path.trajectory.beyond_reach > 0) {
-    throw core::SceneError("fig4: amplitude " + to_string(options.amplitude_deg) +
+    throw core::SceneError("fig4: amplitude " +
+                           line_of(options.amplitude_deg.first, options.amplitude_deg.second).text +
                            " deg takes the finger beyond the exoskeleton's reach in " +
                            std::to_string(path.trajectory.beyond_reach) + " samples");
   }
@@ -135,7 +136,7 @@ void add_fig4(CLI::App& app) {
       "device gave energy.");
   auto options = std::make_shared<Options>();
   CLI::Option* amplitude =
-      command->add_option("--amplitude", options->amplitude_deg, "A1_DEG,A2_DEG (35,50)");
+      add_pair(*command, "--amplitude", options->amplitude_deg, "A1_DEG,A2_DEG (35,50)");
   CLI::Option* phase = command->add_option("--phase", options->phase_deg, "PSI_DEG (15)");
   command->add_option("--motion", options->motion, "a recording: CSV of joint angles")
       ->check(CLI::ExistingFile)

@@ -146,8 +146,8 @@ void add_finger(CLI::App& app) {
       "taken from it.\nverdict: ok; deeper (more than 0.5 deg beyond where the finger ends without "
       "any force); gives energy (more than the device's own damping took back).");
   auto options = std::make_shared<Options>();
-  command->add_option("--stop", options->stop, "M_DEG,P_DEG (18,999)");
-  command->add_option("--target", options->target, "M_DEG,P_DEG (50,50)");
+  add_pair(*command, "--stop", options->stop, "M_DEG,P_DEG (18,999)");
+  add_pair(*command, "--target", options->target, "M_DEG,P_DEG (50,50)");
   command->add_option("--stiffness", options->stiffness, "Z_q in N/m (1500)")
       ->check(CLI::PositiveNumber);
   command->add_option("--method", options->method, "this method alone")

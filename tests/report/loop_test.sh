@@ -4,16 +4,7 @@
 #
 #   loop_test.sh HAPTIC-REPORT
 set -u
-haptic_report=$1
-# The page's figures are this linkage's.
-report() {
-  "$haptic_report" --linkage finger_sign_change "$@"
-}
-failed=0
-fail() {
-  echo "FAILED: $*"
-  failed=1
-}
+. "$(dirname "$0")/report_checks.sh"
 # every NAME ROWS CONDITION arguments...: at least ROWS rows, and the awk CONDITION holds in each.
 # Its words: the columns' names.
 every() {
@@ -28,12 +19,6 @@ every() {
   wrong=$(echo "$found" | awk -F, -v least="$rows" "$program")
   [ -z "$wrong" ] || fail "$name: not everywhere $condition
 $wrong"
-}
-refused() {  # refused arguments...: exit status 2, a reason on standard error, nothing on output
-  output=$(report "$@" 2>/dev/null)
-  [ $? -eq 2 ] || fail "haptic-report $*: must end with 2"
-  [ -z "$output" ] || fail "haptic-report $*: must print nothing"
-  [ -n "$(report "$@" 2>&1 >/dev/null)" ] || fail "haptic-report $*: must say why"
 }
 number() {  # number COLUMN arguments...: that of the first row
   column=$1
@@ -167,10 +152,15 @@ every "rtt, pushed" 1 'error_pct < 0.1 && held_back_pct == 0 && energy_mj < 1' \
   rtt --object pushed_right_2kg --peer contacts --round-trip 200 --lost 10
 every "rtt, pushed, velocity alone" 1 'error_pct > 20' \
   rtt --object pushed_told_velocity_0.2kg --peer contacts --round-trip 100
-every "rtt, soft finger" 1 'error_pct < 0.1 && contacts > 1 && ended == 0' \
+every "rtt, mass told wrong by 2" 1 'error_pct < 5' \
+  rtt --object pushed_wrong_half_2kg --peer contacts --round-trip 100
+every "rtt, stiffening" 1 'error_pct < 6 && bound_holds_pct == 100' \
+  rtt --object stiffening --peer contacts --round-trip 100 --lost 10
+every "rtt, soft finger" 1 \
+  'error_pct < 0.1 && contacts > 1 && ended == 0 && held_back_pct == 0 && bound_holds_pct == 100' \
   rtt --object finger_worn_reach_and_grasp --peer contacts --round-trip 100
-every "rtt, disc" 1 'error_pct > 0.1 && error_pct < 3' rtt --object disc_70mm_s --peer contacts \
-  --round-trip 100
+every "rtt, disc" 1 'error_pct > 0.1 && error_pct < 3 && bound_holds_pct == 100' \
+  rtt --object disc_70mm_s --peer contacts --round-trip 100
 every "rtt, moved by itself" 1 'error_pct < 0.5' rtt --object moving_soft --peer contacts \
   --round-trip 100 --lost 10
 
@@ -188,5 +178,5 @@ refused rate --stiffness 500
 refused rate --proxy nothing
 refused rate --rate 2000
 
-[ $failed -eq 0 ] && echo "closed-loop and rate: what must hold does"
-exit $failed
+[ "$failed" -eq 0 ] && echo "closed-loop and rate: what must hold does"
+exit "$failed"

@@ -4,16 +4,7 @@
 #
 #   report_test.sh HAPTIC-REPORT [values|grid]      grid: the presses at the finger alone
 set -u
-haptic_report=$1
-# The page's figures are this linkage's.
-report() {
-  "$haptic_report" --linkage finger_sign_change "$@"
-}
-failed=0
-fail() {
-  echo "FAILED: $*"
-  failed=1
-}
+. "$(dirname "$0")/report_checks.sh"
 
 header() {  # header EXPECTED arguments...: the first line
   expected=$1
@@ -40,12 +31,6 @@ CSV
 has() {  # has LINE: $csv holds it, whole
   echo "$csv" | grep -qx "$1" || fail "no line '$1'"
 }
-refused() {  # refused arguments...: exit status 2, a reason on standard error, nothing on output
-  output=$(report "$@" 2>/dev/null)
-  [ $? -eq 2 ] || fail "haptic-report $*: must end with 2"
-  [ -z "$output" ] || fail "haptic-report $*: must print nothing"
-  [ -n "$(report "$@" 2>&1 >/dev/null)" ] || fail "haptic-report $*: must say why"
-}
 
 if [ "${2:-values}" = grid ]; then
   # tests/report/STUDY.md#chosen-presses-finger_sign_change, 24 runs: deeper than without force
@@ -59,7 +44,7 @@ if [ "${2:-values}" = grid ]; then
   # With the tank behind it no run gives more than the device's own damping takes back.
   found=$(report finger --grid --tank --guard | grep -c ',ok$')
   [ "$found" = 96 ] || fail "finger --grid --tank --guard: $found of 96 runs are ok"
-  exit $failed
+  exit "$failed"
 fi
 
 refused
@@ -199,5 +184,5 @@ report finger --board --joints --stop 18,999 | awk -F, '
     exit bad
   }' || failed=1
 
-[ $failed -eq 0 ] && echo "haptic-report: as tests/report/STUDY.md prints it"
-exit $failed
+[ "$failed" -eq 0 ] && echo "haptic-report: as tests/report/STUDY.md prints it"
+exit "$failed"

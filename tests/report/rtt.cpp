@@ -8,7 +8,6 @@
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/rtt_study.hpp"
-#include "tests/report/rtt_summary.hpp"
 
 namespace haptic::report {
 namespace {
@@ -21,7 +20,7 @@ constexpr double kClear = 0.9;  // of the force limit
 
 struct Options {
   std::vector<std::string> motions{};
-  std::string object{}, peer{}, summary{};
+  std::string object{}, peer{};
   std::optional<double> round_trip{}, rate{}, lost{};
   bool trace{false};
 };
@@ -58,7 +57,6 @@ void print_all(const Options& options) {
       "largest_n", "energy_mj", "drag_n", "onset_ticks", "held_back_pct", "bounded_pct",
       "bound_holds_pct", "bound_median_n", "error_median_n", "ideal_mj", "contacts",
       "contact_ticks", "samples_per_s", "ended");
-  std::vector<RttRow> rows;
   for (const RttScene& scene : all) {
     const RttFigures local = run(scene, {.rate_hz = 1000.0});
     if (local.shadow.peak >= kClear * scene.pipeline.scene.force_limit[0]) {
@@ -71,17 +69,15 @@ void print_all(const Options& options) {
       const auto known = [&f](double of_bound) {
         return f.bound.bounded > 0.0 ? of_bound : std::nan("");
       };
-      const double energy = kMilli * (f.most_net - local.most_net);
       row(scene.name, name(how.peer), kMilli * how.round_trip_s, how.rate_hz, 100.0 * how.lost,
-          f.shadow.peak, f.shadow.error, f.shadow.percent(), f.shadow.largest, energy,
-          f.shadow.drag, f.shadow.onset, 100.0 * f.shadow.held_back, 100.0 * f.bound.bounded,
-          known(100.0 * f.bound.kept), known(f.bound.bound_median), known(f.bound.error_median),
-          kMilli * f.ideal_net, f.shadow.contacts, f.shadow.ticks, f.samples_hz, f.ended ? 1 : 0);
-      rows.push_back({scene.name, how, f, energy});
+          f.shadow.peak, f.shadow.error, f.shadow.percent(), f.shadow.largest,
+          kMilli * (f.most_net - local.most_net), f.shadow.drag, f.shadow.onset,
+          100.0 * f.shadow.held_back, 100.0 * f.bound.bounded, known(100.0 * f.bound.kept),
+          known(f.bound.bound_median), known(f.bound.error_median), kMilli * f.ideal_net,
+          f.shadow.contacts, f.shadow.ticks, f.samples_hz, f.ended ? 1 : 0);
     }
     std::fflush(stdout);
   }
-  if (!options.summary.empty()) write_summary(rows, options.summary);
 }
 
 /// The force that is felt and its shadow, ms by ms.
@@ -122,7 +118,6 @@ void add_rtt(CLI::App& app) {
       ->check(CLI::Range(30.0, 1000.0));
   command->add_option("--lost", o->lost, "samples that are lost, % (0)")
       ->check(CLI::Range(0.0, 50.0));
-  command->add_option("--summary", o->summary, "writes what must hold, and whether it does");
   command->add_flag("--trace", o->trace, "the first actuator's force, tick by tick");
   command->callback([o] { (o->trace ? print_trace : print_all)(*o); });
 }

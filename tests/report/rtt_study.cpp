@@ -18,6 +18,10 @@ using core::VecX;
 constexpr double kEngage_s = 1.0;  // ten samples at 30 Hz, 200 ms late, some lost
 constexpr double kBegin_s = 1.4;   // the gain's ramp is over
 
+bool holds_force(RttPeer peer) {
+  return peer == RttPeer::kHeldForce || peer == RttPeer::kTdpa;
+}
+
 int tick_of(double t) {
   return static_cast<int>(std::lround(t / test::PipelineLoop::kTick_s));
 }
@@ -39,7 +43,7 @@ std::function<void(test::Frame&)> simulation(const RttScene& scene,
   const auto estimator = std::make_shared<client::ContactEstimator>(coordinates, scene.blocks);
   return [=, blocks = scene.blocks](test::Frame& frame) {
     frame.x = object->proxy(frame.computed_s, frame.x_probe);
-    if (peer == RttPeer::kHeld || peer == RttPeer::kHeldForce || peer == RttPeer::kTdpa) return;
+    if (peer == RttPeer::kHeld || holds_force(peer)) return;
     const std::vector<double> x_probe = to_std(frame.x_probe);
     std::vector<client::Plane> planes;
     if (peer == RttPeer::kContacts) {
@@ -68,7 +72,7 @@ test::ClientSettings client_for(const RttScene& scene, const std::shared_ptr<Rtt
   client.jitter = how.rate_hz < kEveryTick_hz ? 0.3 : 0.0;
   client.delay_s = how.round_trip_s;
   client.lost = how.lost;
-  if (!planes && how.peer != RttPeer::kHeld) client.between = test::held_deviation();
+  if (holds_force(how.peer)) client.between = test::held_deviation();
   // 1 ns: a round trip that is known to be none.
   const double period = 1.0 / how.rate_hz;
   const RttHorizon near{
@@ -78,16 +82,7 @@ test::ClientSettings client_for(const RttScene& scene, const std::shared_ptr<Rtt
   return client;
 }
 
-core::PipelineConfig felt_config(const RttScene& scene, RttPeer peer) {
-  core::PipelineConfig config = scene.pipeline;
-  if (peer == RttPeer::kHeldForce || peer == RttPeer::kTdpa) {
-    config.passivity.tank.enabled = config.passivity.observer.enabled = false;
-  }
-  return config;
-}
-
-core::PipelineConfig shadow_config(const RttScene& scene) {
-  core::PipelineConfig config = scene.pipeline;
+core::PipelineConfig without_tank(core::PipelineConfig config) {
   config.passivity.tank.enabled = config.passivity.observer.enabled = false;
   return config;
 }
@@ -126,10 +121,10 @@ RttFigures run(const RttScene& scene, const RttRun& how,
                const std::function<void(const RttTick&)>& observe) {
   const RttRun local{.rate_hz = 1000.0};
   const std::shared_ptr<RttObject> object = scene.object();
-  test::PipelineLoop felt(felt_config(scene, how.peer),
+  test::PipelineLoop felt(holds_force(how.peer) ? without_tank(scene.pipeline) : scene.pipeline,
                           client_for(scene, scene.own ? scene.own() : object, how),
                           scene.device_damping);
-  test::PipelineLoop shadow(shadow_config(scene), client_for(scene, object, local),
+  test::PipelineLoop shadow(without_tank(scene.pipeline), client_for(scene, object, local),
                             scene.device_damping);
   const std::unique_ptr<RttBody> body = scene.body();
   const core::DofLayout& layout = scene.pipeline.kinematics->layout();
@@ -182,7 +177,7 @@ RttFigures run(const RttScene& scene, const RttRun& how,
   figures.most_net = book.most_net();
   figures.ideal_net = shadow.energy().most_net();
   figures.samples_hz = static_cast<double>(samples) / scene.seconds;
-  if (how.peer == RttPeer::kHeldForce || how.peer == RttPeer::kTdpa) {
+  if (holds_force(how.peer)) {
     figures.samples_hz = how.rate_hz * (1.0 - how.lost);  // the local law makes one of every tick
   }
   return figures;

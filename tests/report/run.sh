@@ -60,16 +60,18 @@ draw() {  # draw SCRIPT NAME [gnuplot assignments]: NAME.svg and NAME.png
   (cd "$here/plots" && gnuplot -e "output='$output/$2'; ${3:-}" "$1.gp")
 }
 
-metrics_table() {  # metrics_table NAME: method,metric,value -> one row per metric, one column per
-                   # method
-  awk -F, -v OFS=, \
-    'NR > 1 { if (!($2 in row)) { row[$2] = ++n; metric[n] = $2 } value[$1, $2] = $3 }
-    END { print "metric", "standard", "null_space", "subspace_linear", "subspace_exact"
-          for (i = 1; i <= n; i++) print metric[i], value["standard", metric[i]],
-            value["null_space", metric[i]],
-            value["subspace_linear", metric[i]], value["subspace_exact", metric[i]] }' \
-    "$output/$1.csv" >"$output/$1_table.csv"
+# pivot CSV NAME ROWS KEY CELL KEYS COLUMNS: of the rows of CSV.csv that fulfil ROWS one line per
+# KEY, with the last value that CELL put("column", value) in each of COLUMNS; into NAME.csv.
+pivot() {
+  awk -F, -v OFS=, -v columns="$6 $7" -v keys="$(wc -w <<<"$6")" "
+    function put(column, value) { cell[key, column] = value }
+    $3 { key = $4; if (!(key in seen)) { seen[key] = 1; order[++n] = key }; $5 }
+    END { count = split(columns, column, \" \"); gsub(\" \", OFS, columns); print columns
+          for (i = 1; i <= n; i++) { line = order[i]
+            for (c = keys + 1; c <= count; c++) line = line OFS cell[order[i], column[c]]
+            print line } }" "$output/$1.csv" >"$output/$2.csv"
 }
+methods="standard null_space subspace_linear subspace_exact"
 recorded_motions() {  # the files, one per line; none is no error
   find "$root/../shared/data" -maxdepth 1 -name '*.csv' 2>/dev/null | sort
 }
@@ -117,7 +119,7 @@ make_fig4() {
   while read -r name amplitude phase; do
     csv "fig4_$name" fig4 --amplitude "$amplitude" --phase "$phase"
     csv "fig4_${name}_series" fig4 --amplitude "$amplitude" --phase "$phase" --series
-    metrics_table "fig4_$name"
+    pivot "fig4_$name" "fig4_${name}_table" 'NR > 1' '$2' 'put($1, $3)' metric "$methods"
     draw fig4 "fig4_$name" \
       "csv='$output/fig4_${name}_series.csv';
        heading='Trajectory ${name//_/ }: amplitudes $amplitude°, phase $phase°'"
@@ -225,27 +227,14 @@ closed_loop_tables() {  # of closed_loop.csv: by method; every tick without dela
             print key, rows[key], gives[key], worst[key] + 0, presses[key], throttled[key],
               int(100 * force[key] / plain[part[1]] + 0.5) } }' \
     closed_loop.csv >closed_loop_methods.csv
-  awk -F, -v OFS=, '$2 != 80 && $1 != "press" && $6 == 1000 { key = $1 OFS $2 OFS $3 OFS $4
-      if (!(key in seen)) { seen[key] = 1; order[++n] = key }
-      net[key, $8, $9] = $11; share[key, $8, $9] = $14 }
-    END { print "motion", "stop_mcp_deg", "stop_pip_deg", "method", "net_mj", "net_reversed_mj",
-      "given_pct", "given_reversed_pct",
-            "guard_tank_net_mj", "guard_tank_net_reversed_mj"
-          for (i = 1; i <= n; i++) { key = order[i]
-            print key, net[key, "nothing", "forward"], net[key, "nothing", "reversed"], share[key,
-              "nothing", "forward"],
-              share[key, "nothing", "reversed"], net[key, "guard_tank", "forward"], net[key,
-                "guard_tank", "reversed"] } }' \
-    closed_loop.csv >closed_loop_cycles.csv
-  awk -F, -v OFS=, '$2 == 80 && $8 == "nothing" && $4 != "q_metric" { key = $5 OFS $6 OFS $7
-      if (!(key in seen)) { seen[key] = 1; order[++n] = key }
-      drag[key, $4] = $15 }
-    END { print "proxy", "rate_hz", "delay_ms", "standard", "null_space", "subspace_linear",
-      "subspace_exact"
-          for (i = 1; i <= n; i++) { key = order[i]
-            print key, drag[key, "standard"], drag[key, "null_space"], drag[key, "subspace_linear"],
-              drag[key, "subspace_exact"] } }' \
-    closed_loop.csv >closed_loop_free.csv
+  pivot closed_loop closed_loop_cycles 'NR > 1 && $2 != 80 && $1 != "press" && $6 == 1000' \
+    '$1 OFS $2 OFS $3 OFS $4' \
+    'with = $8 == "nothing" ? "" : $8 "_"; direction = $9 == "reversed" ? "_reversed" : ""
+    put(with "net" direction "_mj", $11); put(with "given" direction "_pct", $14)' \
+    "motion stop_mcp_deg stop_pip_deg method" "net_mj net_reversed_mj given_pct given_reversed_pct \
+guard_tank_net_mj guard_tank_net_reversed_mj"
+  pivot closed_loop closed_loop_free '$2 == 80 && $8 == "nothing" && $4 != "q_metric"' \
+    '$5 OFS $6 OFS $7' 'put($4, $15)' "proxy rate_hz delay_ms" "$methods"
   awk -F, -v OFS=, \
     '$1 == "press" && $2 != 80 && $4 != "q_metric" && ($8 == "guard" || $8 == "guard_tank") {
       key = $5 OFS $4; stop = $2 OFS $3 OFS $6 OFS $7
@@ -265,17 +254,10 @@ closed_loop_tables() {  # of closed_loop.csv: by method; every tick without dela
 # rate_table COLUMN NAME: K_max as in tests/report/STUDY.md#rate-delay-and-kind-of-proxy, into
 # rate_NAME.csv
 rate_table() {
-  awk -F, -v OFS=, -v column="$1" 'NR > 1 && ($3 == 0 || $3 == 20 || $3 == 100) { key = $2 OFS $3
-      if (!(key in seen)) { seen[key] = 1; order[++n] = key }
-      k[key, $1, $4] = int($column + 0.5) }
-    END { print "rate_hz", "delay_ms", "held_force", "held", "extrapolated", "planes",
-            "derived_planes", "held_with_tank", "planes_with_tank", "derived_with_tank"
-          for (i = 1; i <= n; i++) { key = order[i]
-            print key, k[key, "held_force", "nothing"], k[key, "held", "nothing"],
-              k[key, "extrapolated", "nothing"], k[key, "planes", "nothing"],
-              k[key, "derived_planes", "nothing"], k[key, "held", "tank"],
-              k[key, "planes", "tank"], k[key, "derived_planes", "tank"] } }' \
-    "$output/rate.csv" >"$output/rate_$2.csv"
+  pivot rate "rate_$2" 'NR > 1 && ($3 == 0 || $3 == 20 || $3 == 100)' '$2 OFS $3' \
+    "put(\$1 (\$4 == \"tank\" ? \"_with_tank\" : \"\"), int(\$$1 + 0.5))" "rate_hz delay_ms" \
+    "held_force held extrapolated planes derived_planes held_with_tank planes_with_tank \
+derived_planes_with_tank"
 }
 make_closed_loop() {
   csv closed_loop closed-loop
@@ -327,7 +309,7 @@ make_felt() {
 make_rtt() {
   local linkage=finger_same_sign file peer trip motions=()  # the scenes' linkage
   while read -r file; do motions+=(--motion "$file"); done < <(recorded_motions)
-  csv rtt rtt "${motions[@]}" --summary "$output/rtt_summary.csv"
+  csv rtt rtt "${motions[@]}"
   draw rtt_error rtt_error "csv='$output/rtt.csv'"
   for file in soft_wall finger_worn_reach_and_grasp; do
     for peer in contacts derived_planes held; do

@@ -1,10 +1,10 @@
 #pragma once
-/// Two numbers in one argument, "A,B", and the words the subcommands share.
+/// Words that the subcommands share.
 
 #include <array>
 #include <initializer_list>
-#include <string>
 #include <string_view>
+#include <utility>
 
 #include "haptic/core/rendering/renderer_kind.hpp"
 
@@ -23,15 +23,7 @@ template <typename Enum>
   return names.begin()[static_cast<std::size_t>(value)];
 }
 
-struct Pair {
-  double first{0.0};
-  double second{0.0};
-};
-
-/// How CLI11 reads a Pair: two finite numbers with a comma between and nothing else.
-bool lexical_cast(const std::string& text, Pair& pair);
-
-/// "A,B", as an option shows its default.
-[[nodiscard]] std::string to_string(const Pair& pair);
+/// Two numbers in one argument, "A,B".
+using Pair = std::pair<double, double>;
 
 }  // namespace haptic::report

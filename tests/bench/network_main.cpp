@@ -38,10 +38,6 @@ test::RelaySetup setup(const test::Scenario& scenario, int block, std::uint16_t 
   return relay;
 }
 
-std::uint16_t port_of(const std::string& address) {
-  return static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
-}
-
 /// Waits until samples go by the carrier that is to be measured.
 void settle(const client::Session& session, bool by_udp) {
   const auto give_up = Clock::now() + std::chrono::seconds(20);
@@ -107,7 +103,7 @@ void one_loss(Product& product, const test::Scenario& scenario, int blocks) {
   int block = 0;
   const auto by = [&](By carrier) {
     return [&, carrier] {
-      const std::uint16_t tcp = port_of(product.address(carrier == By::kWebSocket ? 1 : 0));
+      const std::uint16_t tcp = test::port_of(product.address(carrier == By::kWebSocket ? 1 : 0));
       const auto values = ages(product, setup(scenario, ++block, tcp, product.udp_port()), carrier);
       return std::vector<double>{percentile(values, 0.5), percentile(values, 0.99)};
     };

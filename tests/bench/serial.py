@@ -10,68 +10,18 @@ serial_verdict.py.
 """
 
 import argparse
-import contextlib
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
 import time
-import urllib.request
-from collections.abc import Callable, Iterator
 
 from serial_verdict import Run, verdicts
+from served import Failed, Page, between, running, soft_grasp, until
 
 SETTLING_S = 5.0
 MODES = {"streaming": ("0", 2.0), "500hz": ("2", 4.0)}  # link period in ms, target of p99 in ms
-FRAMES = re.compile(r'^haptic_link_frames_total\{.*end="host",what="received"\} (\S+)$', re.M)
-AGES = re.compile(r'^haptic_device_sample_age_seconds_bucket\{.*le="([^"]+)"\} (\S+)$', re.M)
-METRICS = re.compile(r"metrics on port (\d+)")
-PACED = re.compile(r"^haptic_loop_sample_paced_ticks_total\{.*\} (\S+)$", re.M)
-FAULTS = re.compile(r'^haptic_faults_total\{.*fault="([^"]+)"\} (\S+)$', re.M)
-
-
-class Failed(Exception):
-    pass
-
-
-def until(what: str, condition: Callable[[], bool], seconds: float = 30.0) -> None:
-    latest = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > latest:
-            raise Failed(f"not within {seconds:g} s: {what}")
-        time.sleep(0.05)
-
-
-@contextlib.contextmanager
-def running(arguments: list[object], log: pathlib.Path) -> Iterator[subprocess.Popen[bytes]]:
-    """Ends it by SIGTERM if it still runs; its output is in `log`."""
-    with open(log, "wb") as file:
-        process = subprocess.Popen(
-            [str(a) for a in arguments], stdout=subprocess.DEVNULL, stderr=file
-        )
-    try:
-        yield process
-    finally:
-        process.terminate()
-        process.wait(timeout=30)
-
-
-class Page:
-    """One scrape."""
-
-    def __init__(self, url: str) -> None:
-        with urllib.request.urlopen(url, timeout=10) as answer:
-            text = answer.read().decode()
-        self.at = time.monotonic()
-        frames = FRAMES.search(text)
-        if frames is None:
-            raise Failed("no haptic_link_frames_total in the metrics")
-        self.frames = int(float(frames[1]))
-        self.ages = [(float(bound), int(float(n))) for bound, n in AGES.findall(text)]
-        paced = PACED.search(text)
-        self.paced = int(float(paced[1])) if paced else 0
-        self.faults = {name: int(float(n)) for name, n in FAULTS.findall(text)}
+PACED = "haptic_loop_sample_paced_ticks_total"
 
 
 def numbers(text: str) -> dict[str, int]:
@@ -106,83 +56,42 @@ def run(
 ) -> Run:
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        port, socket, server_log = folder / "board", folder / "socket", folder / "hapticd.log"
-        with running(
-            [
-                programs / "hw/haptic-board-emulator",
-                "--link",
-                port,
-                "--link-period-ms",
-                link_period_ms,
-                "--watchdog-ms",
-                "1000",
-                "--motion",
-                root / "server/scenes/motion/reach_and_grasp.csv",
-            ],
-            folder / "board.log",
-        ):
+        port = folder / "board"
+        emulator = [programs / "hw/haptic-board-emulator", "--link", port, "--watchdog-ms", 1000]
+        emulator += ["--link-period-ms", link_period_ms]
+        emulator += ["--motion", root / "server/scenes/motion/reach_and_grasp.csv"]
+        settings = (
+            f'device[0].board={{ port: "{port}" max_effort: 40 '
+            "max_silence { nanos: 100000000 } }",
+            "loop.loop_late_fault={nanos: 500000000}",
+            *(("loop.paced_by=finger",) if paced else ()),
+            # The observer's settings of server/demo.sh.
+            "device[0].passivity.observer.inertia_kg=0.02",
+            "device[0].passivity.device_damping_n_s_per_m=0.5",
+        )
+        with running(emulator, folder / "board.log"):
             until("the emulator's port", port.exists)
-            with running(
-                [
-                    programs / "server/hapticd",
-                    "--scene",
-                    root / "server/scenes/finger_soft_grasp.textproto",
-                    "--listen",
-                    f"unix:{socket}",
-                    "--set",
-                    "server.metrics_listen=127.0.0.1:0",
-                    "--set",
-                    f'device[0].board={{ port: "{port}" max_effort: 40 '
-                    "max_silence { nanos: 100000000 } }",
-                    # Late ticks are counted here; they must not end the run by a fault.
-                    "--set",
-                    "loop.late_bucket_full=1000000",
-                    "--set",
-                    "loop.loop_late_fault={nanos: 500000000}",
-                    *(("--set", "loop.paced_by=finger") if paced else ()),
-                    # The observer's settings of server/demo.sh.
-                    "--set",
-                    "device[0].passivity.observer.inertia_kg=0.02",
-                    "--set",
-                    "device[0].passivity.device_damping_n_s_per_m=0.5",
-                ],
-                server_log,
-            ) as server:
-                until(
-                    "hapticd's start",
-                    lambda: socket.exists()
-                    and METRICS.search(server_log.read_text())
-                    or server.poll() is not None,
-                )
-                scrapes = METRICS.search(server_log.read_text())
-                if scrapes is None or server.poll() is not None:
-                    raise Failed("hapticd did not start:\n" + server_log.read_text())
-                url = f"http://127.0.0.1:{scrapes[1]}/metrics"
-                with running(
-                    [programs / "client/haptic-example-soft-grasp", "--server", f"unix:{socket}"],
-                    folder / "grasp.log",
-                ) as client:
-                    time.sleep(SETTLING_S)
-                    first = Page(url)
-                    time.sleep(seconds)
-                    last = Page(url)
-                    if client.poll() is not None:
-                        raise Failed("the client ended:\n" + (folder / "grasp.log").read_text())
+            scene = root / "server/scenes/finger_soft_grasp.textproto"
+            with soft_grasp(programs, scene, folder, *settings) as url:
+                time.sleep(SETTLING_S)
+                first = Page(url)
+                time.sleep(seconds)
+                last = Page(url)
         # Both have ended. The board's own count of drops is the last that hapticd received: once
         # the port is closed every frame is dropped.
-        host, board = host_counters(server_log.read_text()), board_counters(
-            (folder / "board.log").read_text()
-        )
-        board["without_room"] = numbers(server_log.read_text().rpartition("link closed")[2])[
-            "board_without_room"
-        ]
-    ages = [(bound, n - before) for (bound, n), (_, before) in zip(last.ages, first.ages)]
+        log = (folder / "hapticd.log").read_text()
+        host, board = host_counters(log), board_counters((folder / "board.log").read_text())
+        board["without_room"] = numbers(log.rpartition("link closed")[2])["board_without_room"]
+    ages = between(first, last, "haptic_device_sample_age_seconds")
     if paced:
-        print(
-            f"  ticks begun by a sample: {last.paced - first.paced} of {ages[-1][1]}, "
-            "the others by the timer"
-        )
-    return Run(last.at - first.at, last.frames - first.frames, ages, host, board, last.faults)
+        begun = last.value(PACED, ".*") - first.value(PACED, ".*")
+        print(f"  ticks begun by a sample: {begun:.0f} of {ages[-1][1]}, the others by the timer")
+    received = [
+        int(page.value("haptic_link_frames_total", '.*end="host",what="received"'))
+        for page in (first, last)
+    ]
+    faults = {fault: int(n) for fault, n in last.by_label("haptic_faults_total", "fault")}
+    return Run(last.at - first.at, received[1] - received[0], ages, host, board, faults)
 
 
 def main() -> int:

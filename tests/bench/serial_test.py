@@ -3,7 +3,8 @@
 import dataclasses
 import unittest
 
-from serial_verdict import Run, quantile_ms, verdicts
+from serial_verdict import Run, verdicts
+from verdict import quantile
 
 AGES = (
     (0.0005, 100),
@@ -62,9 +63,9 @@ class Serial(unittest.TestCase):
         self.assertEqual(failed(GOOD, target_ms=1.5), ["sample age"])
 
     def test_a_quantile_is_that_of_its_bucket(self) -> None:
-        self.assertAlmostEqual(quantile_ms(AGES, 0.5), 1.0)
-        self.assertAlmostEqual(quantile_ms(AGES, 0.74), 1.25)
-        self.assertEqual(quantile_ms(((0.001, 0), (float("inf"), 10)), 0.5), float("inf"))
+        self.assertAlmostEqual(quantile(AGES, 0.5), 0.001)
+        self.assertAlmostEqual(quantile(AGES, 0.74), 0.00125)
+        self.assertEqual(quantile(((0.001, 0), (float("inf"), 10)), 0.5), float("inf"))
 
     def test_a_frame_lost_without_a_reason_is_found_up(self) -> None:
         self.assertEqual(failed(host(lost=1)), ["frames up"])

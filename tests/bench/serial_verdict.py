@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 
-from verdict import Verdict
+from verdict import Verdict, quantile
 
 RATE_HZ, RATE_WITHIN = 1010.0, 0.01  # 1000 samples and 10 times its counters
 IN_FLIGHT = 3  # frames that the port may still hold when the last one closes it
@@ -41,20 +41,8 @@ def rate(run: Run) -> Verdict:
     )
 
 
-def quantile_ms(ages: Sequence[tuple[float, int]], share: float) -> float:
-    """Linear within a bucket; infinite beyond the last bound."""
-    wanted = share * ages[-1][1]
-    low_bound = low_count = 0.0
-    for bound, count in ages:
-        if count >= wanted:
-            part = (wanted - low_count) / (count - low_count) if count > low_count else 0.0
-            return 1e3 * (low_bound + part * (bound - low_bound))
-        low_bound, low_count = bound, count
-    return float("inf")
-
-
 def age(run: Run, target_ms: float) -> Verdict:
-    p50, p99 = (quantile_ms(run.ages, share) for share in (0.5, 0.99))
+    p50, p99 = (1e3 * quantile(run.ages, share) for share in (0.5, 0.99))
     return Verdict(
         "sample age",
         p99 <= target_ms,

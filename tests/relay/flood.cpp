@@ -1,9 +1,6 @@
 #include "tests/relay/flood.hpp"
 
 #include <array>
-#include <fstream>
-#include <sstream>
-#include <stdexcept>
 
 #include "haptic/wire/datagram.hpp"
 
@@ -61,20 +58,6 @@ void Flood::run(std::uint16_t port) {
 bool Flood::answered() const {
   std::array<std::uint8_t, 1> byte{};
   return socket_.receive(byte).has_value();
-}
-
-std::uint64_t dropped_by_kernel(std::uint16_t port) {
-  std::ifstream table("/proc/net/udp");
-  std::string line;
-  std::getline(table, line);
-  while (std::getline(table, line)) {
-    std::istringstream fields(line);
-    std::vector<std::string> all;
-    for (std::string field; fields >> field;) all.push_back(field);
-    const std::size_t colon = all.at(1).find(':');
-    if (std::stoul(all[1].substr(colon + 1), nullptr, 16) == port) return std::stoull(all.back());
-  }
-  throw std::runtime_error("no UDP socket on port " + std::to_string(port));
 }
 
 std::vector<Packet> junk() {

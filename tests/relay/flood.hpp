@@ -53,9 +53,6 @@ class Flood {
   std::thread thread_{};
 };
 
-/// Datagrams that the kernel dropped at a bound UDP port because its buffer was full (procfs).
-[[nodiscard]] std::uint64_t dropped_by_kernel(std::uint16_t port);
-
 /// 500 datagrams of any bytes and any length up to 1300.
 [[nodiscard]] std::vector<Packet> junk();
 /// 500 with a valid PROXY header of `path_id` and random bytes for a payload.

@@ -23,13 +23,10 @@ need() {
 for scenario in "$root"/tests/relay/scenarios/*.textproto; do
   need "$(basename "$scenario" .textproto)"
 done
-for row in bit_flips wrong_key replayed_capture spoofed_source nan huge_values junk_100000_per_s \
-  sigterm_under_load client_killed client_paused_300ms 16_observers; do
-  need "$row"
-done
-# Real sockets: one proof of each kind, and what only sockets and processes can show.
-for row in bit_flips nan sigterm_under_load client_killed client_stopped_300ms cut_connection \
-  flood_100000_per_s; do
+need junk_100000_per_s
+# Real sockets: what only sockets and processes can show.
+for row in cut_connection web_cut_connection web_client_killed web_client_stopped_300ms \
+  sigterm_under_load flood_100000_per_s; do
   if ! grep -qE "\"(network/)?$row\"" "$root"/tests/relay/network_rows_test.cpp \
     "$root/tests/relay/flood_test.cpp"; then
     echo "no row network/$row"

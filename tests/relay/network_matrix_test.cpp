@@ -10,7 +10,7 @@
 #include <tuple>
 
 #include "tests/relay/network_row.hpp"
-#include "tests/relay/watched_client.hpp"
+#include "tests/relay/web_presser.hpp"
 
 namespace haptic::test {
 namespace {
@@ -96,7 +96,7 @@ void press_by_web(RowRun& run, const Scenario& scenario) {
   RelaySetup way = relay_to(run.daemon(), scenario);
   way.tcp_port = run.daemon().web_port();
   const Relay relay(way);
-  const WatchedClient presser = web_presser(run.daemon());
+  const WebPresser presser(run.daemon());
   std::this_thread::sleep_for(scenario.duration);
   const auto engaged = [&] { return presser.engaged.load(); };
   if (!may_be_refused(scenario.name)) {

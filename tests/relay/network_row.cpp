@@ -39,7 +39,7 @@ const std::vector<RecordedTick>& RowRun::record() {
 
 const RunFigures& RowRun::judge() {
   if (!figures_) {
-    figures_ = haptic::test::judge(record(), fresh_end_);
+    figures_ = haptic::test::judge(record(), Presser::kFreshEnd);
     must(figures_->breach.empty(), figures_->breach);
     const double ticks = static_cast<double>(record_.size());
     calm(figures_->skipped <= kSkippedAtMost * ticks, "at most 0.5 % of the deadlines skipped");

@@ -26,9 +26,6 @@ class RowRun {
  public:
   [[nodiscard]] Daemon& daemon() { return daemon_; }
 
-  /// Sample rate of the row's client, unless it is a Presser. Call before judge().
-  void client_rate(double hz) { fresh_end_ = 2.5 / hz; }
-
   /// A rule that must hold on any host, busy or not. Returns `holds`.
   bool must(bool holds, const std::string& what);
   /// A rule that a busy host may break, because our threads then run late. It is a failure on a
@@ -48,7 +45,6 @@ class RowRun {
  private:
   Daemon daemon_{};
   std::vector<std::string> failures_{}, got_{};
-  double fresh_end_{Presser::kFreshEnd};  ///< s
   std::optional<RunFigures> figures_{};
   std::vector<RecordedTick> record_{};
 };

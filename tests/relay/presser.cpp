@@ -70,9 +70,7 @@ void Presser::run() {
       const double press = depth * (1.0 + 0.2 * std::sin(6.0 * t));
       std::vector<double> x = state.x_probe;
       if (engaged) x.assign(x.size(), Daemon::kTarget - press);
-      if (const double* value = instead) x.assign(x.size(), *value);
-      const bool free = state.gain == 0.0 && !instead;
-      session_->publish(free ? client::Proxy::free() : client::Proxy::held(x));
+      session_->publish(state.gain == 0.0 ? client::Proxy::free() : client::Proxy::held(x));
     }
     next = std::max(next + 10ms, std::chrono::steady_clock::now());
     std::this_thread::sleep_until(next);

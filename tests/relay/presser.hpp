@@ -39,8 +39,6 @@ class Presser {
   [[nodiscard]] bool heard(const std::string& reason) const;
   [[nodiscard]] client::DeviceState state() const { return session_->state(); }
   [[nodiscard]] bool in_order() const { return order_.holds(); }
-  /// While set, published in place of every coordinate.
-  std::atomic<const double*> instead{nullptr};
 
  private:
   void run();

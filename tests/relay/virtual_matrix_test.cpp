@@ -145,32 +145,6 @@ TEST(VirtualMatrixRow, DistantBlockedUdpStaysEngaged) {
   }
 }
 
-/// At a cut, a client that doubts its path keeps a younger proxy than one that waits for silence;
-/// on a path that only loses packets, doubt costs almost no copies.
-TEST(VirtualMatrixRow, DoubtKeepsTheProxyYounger) {
-  constexpr wire::Duration kNever = 1h;
-  for (const LinkTime period : {10ms, 33ms}) {
-    VirtualWorld doubts(shipped_scenario("udp_blocked"), period);
-    VirtualWorld waits(shipped_scenario("udp_blocked"), period, kNever);
-    const core::Duration with = oldest_proxy(doubts, 1s, 12s),
-                         without = oldest_proxy(waits, 1s, 12s);
-    std::printf("cut, a sample every %s: oldest proxy %s with doubt, %s without\n",
-                milliseconds(period).c_str(), milliseconds(with).c_str(),
-                milliseconds(without).c_str());
-    EXPECT_LE(with, 100ms);
-    EXPECT_GT(without, with + 40ms);
-    EXPECT_GT(doubts.copies, 0U);
-    EXPECT_EQ(waits.copies, 1U);  // the newest, at the fallback
-  }
-  for (const char* name : {"delay_10ms", "jitter_5ms", "jitter_20ms", "loss_05", "loss_10"}) {
-    VirtualWorld world(shipped_scenario(name));
-    world.run(world.scenario.duration);
-    const double share = static_cast<double>(world.copies) / static_cast<double>(world.seq);
-    std::printf("%s: %.1f %% of the samples also by the stream\n", name, 100.0 * share);
-    EXPECT_LE(share, 0.001) << name;
-  }
-}
-
 TEST(VirtualMatrixRow, LossOf10PercentStaysEngaged) {
   for (const char* name : {"loss_01", "loss_05", "loss_10"}) {
     VirtualWorld world(shipped_scenario(name));
@@ -179,38 +153,6 @@ TEST(VirtualMatrixRow, LossOf10PercentStaysEngaged) {
     EXPECT_EQ(world.rig.state(), core::LifecycleState::kEngaged) << name;
     EXPECT_EQ(world.rig.sessions->status().carrier, server::Carrier::kUdp) << name;
   }
-}
-
-/// 150 ms of samples arrive at once while force fades. The newest of them is only a few ms old, but
-/// counts as old as the last one before the stall until the pace is normal again.
-TEST(VirtualMatrixRow, BacklogIsNotRenderedAsFresh) {
-  Scenario scenario = shipped_scenario("delay_10ms");
-  scenario.up.stalls = {{2000ms, 2150ms}};
-  VirtualWorld world(scenario);
-  const auto backlog = [&] {
-    return world.rig.sessions->status().samples[server::IngressVerdict::kBacklog];
-  };
-  world.run(2000ms);
-  ASSERT_EQ(world.rig.newest().life.gain, 1.0);
-  const core::TimePoint before_stall = world.last_accepted;
-  core::TickRecord before = world.rig.newest();
-  int held_back = 0;
-  while (world.time() < 3s) {
-    const std::uint64_t so_far = backlog();
-    world.step();
-    const core::TickRecord now = world.rig.newest();
-    ASSERT_LE(now.life.gain - before.life.gain, 1.0 / 200 + 1e-12);  // and it comes back by a ramp
-    if (backlog() > so_far) {
-      ++held_back;
-      EXPECT_GE(now.proxy.age, now.input.now - before_stall - 2 * kSamplePeriod);
-      EXPECT_EQ(now.proxy.level, core::Staleness::kFade);
-    }
-    before = now;
-  }
-  EXPECT_EQ(held_back, 1);  // in one tick
-  EXPECT_GE(backlog(), 10U);
-  EXPECT_EQ(world.rig.state(), core::LifecycleState::kEngaged);
-  EXPECT_EQ(world.rig.newest().life.gain, 1.0);
 }
 
 }  // namespace

@@ -27,10 +27,9 @@ core::PipelineConfig world_config() {
   return config;
 }
 
-wire::PathRules path_rules(LinkTime period, wire::Duration overdue) {
+wire::PathRules path_rules(LinkTime period) {
   wire::PathRules rules;
   rules.nominal_period = period;
-  rules.overdue = overdue;
   return rules;
 }
 
@@ -47,7 +46,7 @@ Packet packed_sample(std::uint64_t seq, double a, const SampleTimes& times) {
   return packet;
 }
 
-VirtualWorld::VirtualWorld(const Scenario& which, LinkTime period, wire::Duration overdue)
+VirtualWorld::VirtualWorld(const Scenario& which, LinkTime period)
     : scenario(which),
       sample_period(period),
       rig(world_config(), {}, kStart),
@@ -55,21 +54,19 @@ VirtualWorld::VirtualWorld(const Scenario& which, LinkTime period, wire::Duratio
       udp_down(which.down, which.seed + 1000, haptic::test::Carrier::kUdp),
       stream_up(which.up, which.seed + 2000),
       stream_down(which.down, which.seed + 3000),
-      client({wire::End::kClient, keys, path_rules(period, overdue),
+      client({wire::End::kClient, keys, path_rules(period),
               [this](const wire::PeerAddress&, wire::ConstBytes datagram) {
                 Packet packet(datagram.begin(), datagram.end());
                 if (on_wire) on_wire(packet);
                 udp_up.send(std::move(packet), time());
               },
               [random = Random(1)]() mutable { return random.next(); }}),
-      server({wire::End::kServer, keys, path_rules(period, overdue),
+      server({wire::End::kServer, keys, path_rules(period),
               [this](const wire::PeerAddress& to, wire::ConstBytes datagram) {
                 answered.push_back(to);
                 if (to == server_sees) udp_down.send({datagram.begin(), datagram.end()}, time());
               },
-              [random = Random(2)]() mutable { return random.next(); }}),
-      proxy(slow_press),
-      hand(slow_hand) {
+              [random = Random(2)]() mutable { return random.next(); }}) {
   server::LeaseRequest request;
   request.session_id = "s1";
   request.client_name = "alice";
@@ -105,10 +102,10 @@ void VirtualWorld::step() {
   step_client();
   static_cast<void>(server.step(to_wire(rig.now)));
   if (time() >= next_sample) publish();
-  if (alive && rig.state() == core::LifecycleState::kArmed && time() % 50ms == 0ms) {
+  if (rig.state() == core::LifecycleState::kArmed && time() % 50ms == 0ms) {
     static_cast<void>(rig.sessions->engage("s1", [](const auto&) {}));
   }
-  rig.device->q[0] = hand(time());
+  rig.device->q[0] = slow_hand(time());
   rig.tick();
   if (time() >= next_state) send_state();
 }
@@ -120,22 +117,19 @@ void VirtualWorld::step_client() {
   };
   int lost = 0;
   while (auto packet = udp_down.receive(time())) {
-    if (!alive) continue;
     const auto received = client.receive(packet->second, client_sees, client_reading());
     if (received.message) take_state(*received.message);
     lost += fell_back(received.change) ? 1 : 0;
   }
   while (auto packet = stream_down.receive(time())) {
-    if (alive) take_state(packet->second);
+    take_state(packet->second);
   }
-  if (!alive) return;
   lost += fell_back(client.step(client_reading())) ? 1 : 0;
   fallbacks += lost;
   // Does what the client library does: what may be lost goes by the stream, under the number it
   // has.
   if (knew || (lost == 0 && !client.in_doubt())) return;
   stream_up.send(newest, time());
-  ++copies;
 }
 
 void VirtualWorld::take_state(wire::ConstBytes state) {
@@ -159,17 +153,15 @@ void VirtualWorld::send_state() {
 
 void VirtualWorld::publish() {
   next_sample += sample_period;
-  if (!alive || !publishing) return;
   const wire::TimePoint reading = client_reading();
   const double beyond = std::max(0.0, probe_used_ - kWall);
-  const double x = contacts ? probe_used_ - beyond / (1.0 + kCompliance) : proxy(time());
+  const double x = contacts ? probe_used_ - beyond / (1.0 + kCompliance) : slow_press(time());
   newest = packed_sample(
       ++seq, x, {reading.time_since_epoch().count(), state_used_, (reading - state_came_).count()});
   ways[seq].published = rig.now;
   const bool by_udp = client.send(newest);
   if (by_udp && !client.in_doubt()) return;
   stream_up.send(newest, time());
-  copies += by_udp ? 1 : 0;
 }
 
 void VirtualWorld::accept(wire::ConstBytes bytes, server::Carrier carrier) {

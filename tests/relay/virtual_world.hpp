@@ -26,9 +26,7 @@ struct VirtualWorld {
   static constexpr double kDeviceDamping = 0.5;          // N s/m, what is known of it
   static constexpr core::TimePoint kStart{1h};
 
-  /// `overdue`: of both ends' PathRules.
-  explicit VirtualWorld(const Scenario& which, LinkTime sample_period = kSamplePeriod,
-                        wire::Duration overdue = wire::PathRules{}.overdue);
+  explicit VirtualWorld(const Scenario& which, LinkTime sample_period = kSamplePeriod);
   VirtualWorld(const VirtualWorld&) = delete;
   VirtualWorld& operator=(const VirtualWorld&) = delete;
 
@@ -65,17 +63,10 @@ struct VirtualWorld {
   Packet newest{};
   std::map<std::uint64_t, Way> ways{};  ///< by the sample's number
   int fallbacks{0};
-  std::uint64_t copies{0};  ///< samples that went by the stream besides
   /// True: it tells a soft wall as a contact, in the way of the hand (in and out by 3 mm), and its
-  /// own proxy in every sample. False: a held proxy, and `proxy` says where.
+  /// own proxy in every sample. False: a held proxy that presses slowly.
   bool contacts{false};
-  bool alive{true};       ///< false: the client does nothing any more
-  bool publishing{true};  ///< false: its simulation stands still, its transport lives
   std::vector<wire::PeerAddress> answered{};  ///< whom the server sent anything, in order
-  /// Value of a sample's first coordinate, m, at a time; by default a slow press.
-  std::function<double(LinkTime)> proxy{};
-  /// Position of the actuated DoF, as the hand moves it, m.
-  std::function<double(LinkTime)> hand{};
   /// Sees every datagram of the client, and may change it.
   std::function<void(Packet&)> on_wire{};
 

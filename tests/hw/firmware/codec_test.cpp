@@ -1,5 +1,5 @@
-/// The board's codec (C99) against the document's vectors. tests/fuzz holds it to the server's codec
-/// (C++) on damage.
+/// The board's codec (C99) against the document's vectors. tests/fuzz holds it to the server's
+/// codec (C++) on damage.
 #include <gtest/gtest.h>
 #include <vector>
 

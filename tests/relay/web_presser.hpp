@@ -1,12 +1,11 @@
 #pragma once
-/// A client that is a process of its own behind the relay, watched without the relay.
+/// web_presser.mjs: a client on a WebSocket, a process of its own behind the relay, watched without
+/// the relay.
 
 #include <atomic>
 #include <cmath>
 #include <memory>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "haptic/client/client.hpp"
 #include "tests/relay/daemon.hpp"
@@ -15,13 +14,17 @@
 
 namespace haptic::test {
 
-class WatchedClient {
+/// True if there is a client for the web.
+inline const bool kHasWebPresser = *HAPTIC_NODE != '\0';
+
+class WebPresser {
  public:
   static constexpr double kPressed = 0.5;  ///< N
 
-  WatchedClient(const Daemon& daemon, const std::string& program,
-                std::vector<std::string> arguments)
-      : process(program, std::move(arguments)),
+  explicit WebPresser(const Daemon& daemon)
+      : process(HAPTIC_NODE, {HAPTIC_SOURCE_DIR "/tests/relay/web_presser.mjs",
+                              HAPTIC_BINARY_DIR "/client/js", "http://" + daemon.web_behind_relay(),
+                              Daemon::kToken, std::to_string(Daemon::kTarget)}),
         watching(daemon.address()),
         watch_(watching.watch("finger", Presser::kRate, [this](const client::DeviceState& state) {
           order_.add(state);
@@ -41,16 +44,5 @@ class WatchedClient {
   UsedInOrder order_{};
   std::unique_ptr<client::Watch> watch_;
 };
-
-/// True if there is a client for the web.
-inline const bool kHasWebPresser = *HAPTIC_NODE != '\0';
-
-/// web_presser.mjs, at Presser::kRate.
-inline WatchedClient web_presser(const Daemon& daemon) {
-  return {daemon,
-          HAPTIC_NODE,
-          {HAPTIC_SOURCE_DIR "/tests/relay/web_presser.mjs", HAPTIC_BINARY_DIR "/client/js",
-           "http://" + daemon.web_behind_relay(), Daemon::kToken, std::to_string(Daemon::kTarget)}};
-}
 
 }  // namespace haptic::test

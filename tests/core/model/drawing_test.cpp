@@ -118,54 +118,39 @@ void expect_on_the_finger(const Drawing& drawing, const std::string& finger,
 }
 
 TEST(Drawing, LinkageSitsOnThePhalanges) {
-  for (const FingerDimensions& d : {FingerDimensions{}, finger_sign_change()}) {
-    const auto map = make_finger_exoskeleton(d);
+  const auto alone = make_finger_exoskeleton({});
+  const auto hand = make_hand_exoskeleton(five_fingers());
+  const std::pair<const Kinematics*, std::vector<HandFinger>> maps[] = {
+      {alone.get(), {{"", {}}}}, {hand.get(), five_fingers()}};
+  for (const auto& [map, fingers] : maps) {
     const Drawing drawing = map->drawing();
-    everywhere(*map, [&](const VecQ& q, const VecX& x, const MatXQ&) {
-      expect_on_the_finger(drawing, "", d, drawn_frames(drawing, q, x));
+    everywhere(*map, [&, fingers = fingers](const VecQ& q, const VecX& x, const MatXQ&) {
+      const auto frames = drawn_frames(drawing, q, x);
+      for (const HandFinger& finger : fingers) {
+        const std::string prefix = finger.name.empty() ? "" : finger.name + ".";
+        expect_on_the_finger(drawing, prefix, finger.dimensions, frames);
+      }
     });
   }
 }
 
-/// core/METHOD.md#finger-linkage, second row of the table of poses.
-TEST(Drawing, RodsStandWhereMethodSays) {
-  constexpr double kDegree = 0.017453292519943295;
-  const Drawing drawing = make_finger_exoskeleton({})->drawing();
-  const VecQ q = Eigen::Vector2d(13.409e-3, 4.793 * kDegree);
-  const VecX x = Eigen::Vector2d(30.0 * kDegree, 30.0 * kDegree);
-  const auto frames = drawn_frames(drawing, q, x);
-  const auto foot = [&](const char* phalanx, const char* rod) -> Vector3d {
-    return frames[body_named(drawing, phalanx, kTool)].inverse() *
-           (frames[body_named(drawing, rod, kDevice)] * Vector3d(0.0, 0.010, 0.0));
-  };
-  EXPECT_TRUE(foot("proximal", "rod_1").isApprox(Vector3d(14.17e-3, 0.0, 0.0), 1e-3));
-  EXPECT_TRUE(foot("middle", "rod_2").isApprox(Vector3d(18.41e-3, 0.0, 0.0), 1e-3));
-}
+/// An output, and the body of the device that it is on.
+struct DrawnOutput {
+  std::string name{}, body{};
+  OutputKind kind{};
+  Pose3 offset{};
+};
 
-TEST(Drawing, EveryFingerOfAHandFits) {
-  const auto map = make_hand_exoskeleton(five_fingers());
-  const Drawing drawing = map->drawing();
-  everywhere(*map, [&](const VecQ& q, const VecX& x, const MatXQ&) {
+void expect_bodies_at_outputs(const Kinematics& map, const std::vector<DrawnOutput>& outputs) {
+  const Drawing drawing = map.drawing();
+  everywhere(map, [&](const VecQ& q, const VecX& x, const MatXQ&) {
     const auto frames = drawn_frames(drawing, q, x);
-    for (const HandFinger& finger : five_fingers()) {
-      expect_on_the_finger(drawing, finger.name + ".", finger.dimensions, frames);
-    }
-  });
-}
-
-TEST(Drawing, TrackedFingersReachTheirOutputs) {
-  const auto parameters = five_fingers_on_a_palm(OutputKind::kFrame);
-  const auto map = make_tracked_hand(parameters);
-  const Drawing drawing = map->drawing();
-  everywhere(*map, [&](const VecQ& q, const VecX& x, const MatXQ&) {
-    const auto frames = drawn_frames(drawing, q, x);
-    for (const PhalanxOutput& output : parameters.outputs) {
-      const bool middle = output.phalanx == Phalanx::kMiddle;
-      const std::string on =
-          output.finger.empty() ? "palm" : output.finger + (middle ? ".guide_2" : ".guide_1");
-      DrawnFrame at = frames[body_named(drawing, on, kDevice)];
+    for (const DrawnOutput& output : outputs) {
       const Point3& p = output.offset.position;
+      const UnitQuaternion& r = output.offset.orientation;
+      DrawnFrame at = frames[body_named(drawing, output.body, kDevice)];
       at.translate(Vector3d(p.x, p.y, p.z));
+      at.rotate(Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized());
       const DrawnFrame& tool = frames[body_named(drawing, output.name, kTool)];
       EXPECT_TRUE(at.translation().isApprox(tool.translation(), kClose)) << output.name;
       if (output.kind == OutputKind::kFrame) expect_same(at, tool, output.name);
@@ -173,28 +158,21 @@ TEST(Drawing, TrackedFingersReachTheirOutputs) {
   });
 }
 
-void expect_links_at_outputs(const Kinematics& map, const std::vector<ChainOutput>& outputs) {
-  const Drawing drawing = map.drawing();
-  everywhere(map, [&](const VecQ& q, const VecX& x, const MatXQ&) {
-    const auto frames = drawn_frames(drawing, q, x);
-    for (const ChainOutput& output : outputs) {
-      const Point3& p = output.offset.position;
-      const UnitQuaternion& r = output.offset.orientation;
-      DrawnFrame link = frames[body_named(drawing, output.link, kDevice)];
-      link.translate(Vector3d(p.x, p.y, p.z));
-      link.rotate(Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized());
-      const DrawnFrame& tool = frames[body_named(drawing, output.name, kTool)];
-      EXPECT_TRUE(link.translation().isApprox(tool.translation(), kClose)) << output.name;
-      if (output.kind == OutputKind::kFrame) expect_same(link, tool, output.name);
-    }
-  });
-}
-
-TEST(Drawing, ChainsReachTheirOutputs) {
-  const auto chain = branched();
-  expect_links_at_outputs(*make_serial_chain(chain), chain.outputs);
-  expect_links_at_outputs(*make_stylus({}),
-                          {{"tip", "gimbal_roll", OutputKind::kFrame, {{0.03, 0.0, 0.0}, {}}}});
+TEST(Drawing, DevicesReachTheirOutputs) {
+  std::vector<DrawnOutput> outputs;
+  for (const ChainOutput& o : branched().outputs) {
+    outputs.push_back({o.name, o.link, o.kind, o.offset});
+  }
+  expect_bodies_at_outputs(*make_serial_chain(branched()), outputs);
+  expect_bodies_at_outputs(*make_stylus({}),
+                           {{"tip", "gimbal_roll", OutputKind::kFrame, {{0.03, 0.0, 0.0}, {}}}});
+  const auto hand = five_fingers_on_a_palm(OutputKind::kFrame);
+  outputs.clear();
+  for (const PhalanxOutput& o : hand.outputs) {
+    const char* guide = o.phalanx == Phalanx::kMiddle ? ".guide_2" : ".guide_1";
+    outputs.push_back({o.name, o.finger.empty() ? "palm" : o.finger + guide, o.kind, o.offset});
+  }
+  expect_bodies_at_outputs(*make_tracked_hand(hand), outputs);
 }
 
 TEST(Drawing, LinearDeviceMeetsItsTool) {
@@ -214,7 +192,7 @@ TEST(Drawing, LinearDeviceMeetsItsTool) {
   });
 }
 
-/// The way that a force's point moves, or its body turns, when its DoF rises is the force's axis.
+/// When a force's DoF rises, its point moves along the force's axis, or its body turns about it.
 TEST(Drawing, ForcesActAlongTheirDofs) {
   for (const auto& [name, map] : all()) {
     const Drawing drawing = map->drawing();
@@ -234,31 +212,12 @@ TEST(Drawing, ForcesActAlongTheirDofs) {
                 ? Vector3d(turn.axis() * turn.angle())
                 : Vector3d(from.linear().transpose() * (to * force.point - from * force.point));
         ASSERT_GT(way.norm(), 1e-9) << name;
+        const Vector3d slip = to * force.point - from * force.point;
+        EXPECT_TRUE(!force.torque || slip.norm() < kClose) << name;
         EXPECT_TRUE(way.normalized().isApprox(force.axis, 1e-4)) << name << " " << way.transpose();
       }
     });
   }
-}
-
-/// J^T of a chain is what statics says of the drawn forces: a torque's moment at the output.
-TEST(Drawing, ForcesGiveTheJacobian) {
-  const auto chain = branched();
-  const auto map = make_serial_chain(chain);
-  const Drawing drawing = map->drawing();
-  const auto column = [&](const DrawnForce& force, const std::vector<DrawnFrame>& frames,
-                          const Vector3d& at) -> Vector3d {
-    const DrawnFrame& body = frames[static_cast<std::size_t>(force.body)];
-    const Vector3d axis = body.linear() * force.axis;
-    return force.torque ? Vector3d(axis.cross(at - body * force.point)) : axis;
-  };
-  ASSERT_EQ(drawing.forces.size(), 2u);  // of left and right
-  everywhere(*map, [&](const VecQ& q, const VecX& x, const MatXQ& J) {
-    const auto frames = drawn_frames(drawing, q, x);
-    const Vector3d left = column(drawing.forces[0], frames, x.segment<3>(0));
-    const Vector3d right = column(drawing.forces[1], frames, x.segment<3>(3));
-    EXPECT_TRUE(left.isApprox(J.block<3, 1>(0, map->layout().actuated(0)), kClose));
-    EXPECT_TRUE(right.isApprox(J.block<3, 1>(3, map->layout().actuated(1)), kClose));
-  });
 }
 
 TEST(Drawing, IsATreeOfUnitAxes) {

@@ -1,10 +1,11 @@
 #pragma once
-/// Hands that tests and figures are about.
+/// Devices that tests and figures are about.
 
 #include <cmath>
 #include <vector>
 
 #include "haptic/core/model/hand_exoskeleton.hpp"
+#include "haptic/core/model/serial_chain.hpp"
 
 namespace haptic::core {
 
@@ -38,6 +39,13 @@ inline TrackedHandParameters five_fingers_on_a_palm(OutputKind kind = OutputKind
   }
   hand.outputs.push_back({"palm", "", Phalanx::kMiddle, kind, {{0.04, -0.02, 0.0}, {}}});
   return hand;
+}
+
+/// Three marks on a stylus that are not in a line: its pose in metres alone.
+inline std::vector<ChainOutput> marks_on_a_stylus() {
+  return {{"tip", "", OutputKind::kPoint, {{0.03, 0, 0}, {}}},
+          {"end", "", OutputKind::kPoint, {{-0.10, 0, 0}, {}}},
+          {"button", "", OutputKind::kPoint, {{0, 0, 0.03}, {}}}};
 }
 
 }  // namespace haptic::core

@@ -5,15 +5,13 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <kdl/chainfksolverpos_recursive.hpp>
-#include <kdl/chainjnttojacdotsolver.hpp>
-#include <kdl/chainjnttojacsolver.hpp>
 #include <random>
 
 #include "haptic/core/error.hpp"
 #include "tests/core/model/derivatives.hpp"
-#include "tests/support/allocation_guard.hpp"
 #include "tests/support/angles.hpp"
 #include "tests/support/kdl_chain.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace haptic::core {
 namespace {
@@ -70,90 +68,31 @@ SerialChainParameters branched_chain(Random& random, bool palm) {
   return chain;
 }
 
-using Quaternion = Eigen::Vector4d;  // x, y, z, w
-
-/// 1/2 omega Q, written out.
-Quaternion half_turn(const Eigen::Vector3d& w, const Quaternion& Q) {
-  const Eigen::Vector3d v = Q.head<3>();
-  Quaternion out;
-  out << 0.5 * (Q[3] * w + w.cross(v)), -0.5 * w.dot(v);
-  return out;
-}
-
-/// f, J and dJ/dq of one frame at the end, by KDL's recursions.
-struct Oracle {
-  VecX x{};
-  MatXQ J{};
-  std::vector<MatXQ> dJ{};
-
-  Oracle(const KDL::Chain& chain, const VecQ& q) {
-    const auto n = static_cast<unsigned>(q.size());
-    KDL::JntArray at(n);
-    at.data = q;
-    KDL::Frame tip;
-    EXPECT_GE(KDL::ChainFkSolverPos_recursive(chain).JntToCart(at, tip), 0);
-    KDL::Jacobian twist(n), rate(n);
-    EXPECT_GE(KDL::ChainJntToJacSolver(chain).JntToJac(at, twist), 0);
-    Quaternion Q;
-    tip.M.GetQuaternion(Q[0], Q[1], Q[2], Q[3]);
-    x.resize(7);
-    x << tip.p.x(), tip.p.y(), tip.p.z(), Q;
-    J.resize(7, q.size());
-    for (int k = 0; k < q.size(); ++k) {
-      J.col(k) << twist.data.col(k).head<3>(), half_turn(twist.data.col(k).tail<3>(), Q);
-    }
-    KDL::ChainJntToJacDotSolver solver(chain);
-    solver.setHybridRepresentation();
-    for (unsigned k = 0; k < n; ++k) {
-      KDL::JntArrayVel moving(n);
-      moving.q = at;
-      moving.qdot.data = Eigen::VectorXd::Unit(n, k);
-      EXPECT_GE(solver.JntToJacDot(moving, rate), 0);
-      const Quaternion dQ = half_turn(twist.data.col(k).tail<3>(), Q);
-      MatXQ J_k(7, q.size());
-      for (int i = 0; i < q.size(); ++i) {
-        J_k.col(i) << rate.data.col(i).head<3>(),
-            half_turn(rate.data.col(i).tail<3>(), Q) + half_turn(twist.data.col(i).tail<3>(), dQ);
-      }
-      dJ.push_back(J_k);
-    }
-  }
-
-  /// Q and -Q are one rotation: the other sign.
-  void flip() {
-    x.tail<4>() *= -1.0;
-    J.bottomRows<4>() *= -1.0;
-    for (MatXQ& J_k : dJ) J_k.bottomRows<4>() *= -1.0;
-  }
-};
-
+/// f by KDL's recursion; J and dJ/dq are held to f by central differences below.
 TEST(SerialChain, AgreesWithKdlOnRandomChains) {
   Random random(1);
-  double f_worst = 0.0, J_worst = 0.0, dJ_worst = 0.0;
+  double worst = 0.0;
   for (int trial = 0; trial < 300; ++trial) {
     const SerialChainParameters parameters = random_chain(random, 1 + trial % 9);
     const auto chain = make_serial_chain(parameters);
     const KDL::Chain reference = kdl(parameters);
     for (int s = 0; s < 5; ++s) {
       const VecQ q = workspace_sample(*chain, 7 * s + trial);
-      VecX x;
-      MatXQ J, J_k;
-      ASSERT_EQ(chain->evaluate(q, x, J), MapStatus::kOk);
-      Oracle oracle(reference, q);
-      if (oracle.x.tail<4>().dot(x.tail<4>()) < 0.0) oracle.flip();
-      f_worst = std::max(f_worst, (x - oracle.x).cwiseAbs().maxCoeff());
-      J_worst = std::max(J_worst, (J - oracle.J).cwiseAbs().maxCoeff());
-      for (int k = 0; k < q.size(); ++k) {
-        ASSERT_EQ(chain->second_order(q, k, J_k), MapStatus::kOk);
-        const MatXQ& expected = oracle.dJ[static_cast<std::size_t>(k)];
-        dJ_worst = std::max(dJ_worst, (J_k - expected).cwiseAbs().maxCoeff());
-      }
+      VecX x, expected(7);
+      ASSERT_EQ(chain->position(q, x), MapStatus::kOk);
+      KDL::JntArray at(static_cast<unsigned>(q.size()));
+      at.data = q;
+      KDL::Frame tip;
+      ASSERT_GE(KDL::ChainFkSolverPos_recursive(reference).JntToCart(at, tip), 0);
+      expected.head<3>() << tip.p.x(), tip.p.y(), tip.p.z();
+      tip.M.GetQuaternion(expected[3], expected[4], expected[5], expected[6]);
+      // Q and -Q are one rotation.
+      if (expected.tail<4>().dot(x.tail<4>()) < 0.0) expected.tail<4>() *= -1.0;
+      worst = std::max(worst, (x - expected).cwiseAbs().maxCoeff());
     }
   }
   // KDL keeps rotations as matrices, hence rounding of a few eps times the number of joints.
-  EXPECT_LT(f_worst, 1e-13);
-  EXPECT_LT(J_worst, 1e-13);
-  EXPECT_LT(dJ_worst, 1e-13);
+  EXPECT_LT(worst, 1e-13);
 }
 
 TEST(SerialChain, DerivativesMatchCentralDifferences) {
@@ -228,19 +167,6 @@ TEST(SerialChain, PalmTurnsByItsRotationVector) {
   }
 }
 
-TEST(SerialChain, NeverAllocates) {
-  Random random(5);
-  const auto chain = make_serial_chain(branched_chain(random, true));
-  VecQ q = workspace_sample(*chain, 3);
-  VecX x;
-  MatXQ J;
-  const test::AllocationGuard guard;
-  ASSERT_EQ(chain->evaluate(q, x, J), MapStatus::kOk);
-  for (int k = 0; k < q.size(); ++k) ASSERT_EQ(chain->second_order(q, k, J), MapStatus::kOk);
-  chain->nearest_representative(x.head(q.size()), q);
-  EXPECT_EQ(guard.allocations(), 0u);
-}
-
 TEST(SerialChain, RefusesValuesThatAreNotFinite) {
   Random random(6);
   const auto chain = make_serial_chain(random_chain(random, 3));
@@ -250,62 +176,62 @@ TEST(SerialChain, RefusesValuesThatAreNotFinite) {
   EXPECT_EQ(chain->evaluate(VecQ::Zero(2), x, J), MapStatus::kCannotClose);
 }
 
-std::string refusal(const SerialChainParameters& parameters) {
-  try {
-    static_cast<void>(make_serial_chain(parameters));
-  } catch (const SceneError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
 TEST(SerialChain, NamesTheScenesMistake) {
   Random random(7);
   const SerialChainParameters good = branched_chain(random, true);
-  ASSERT_EQ(refusal(good), "accepted");
-  const auto with = [&](auto change) {
-    SerialChainParameters bad = good;
-    change(bad);
-    return refusal(bad);
-  };
   using P = SerialChainParameters;
-  EXPECT_EQ(with([](P& p) { p.joints[1].name = "j0"; }), "joint j0 given twice: names must differ");
-  EXPECT_EQ(with([](P& p) { p.joints[1].name = ""; }), "a joint's name is empty: must be given");
-  EXPECT_EQ(with([](P& p) { p.joints[1].name = "base"; }),
-            "joint base: the name is taken by the fixed frame");
-  EXPECT_EQ(with([](P& p) { p.joints[1].parent = "j4"; }),
-            "joint j1.parent = j4: must be \"base\" or a joint given before");
-  EXPECT_EQ(with([](P& p) {
-              p.joints[1].axis = {0, 0, 0};
-            }),
-            "joint j1.axis of length 0.000000: must be finite and not zero");
-  EXPECT_EQ(with([](P& p) { p.joints[1].lower = p.joints[1].upper = 0.5; }),
-            "joint j1 from 0.500000 to 0.500000: both must be finite, lower < upper");
-  EXPECT_EQ(with([](P& p) {
-              p.joints[1].origin.orientation = {0, 0, 0, 0};
-            }),
-            "joint j1.origin.orientation of norm 0.000000: must be a quaternion other than zero");
-  EXPECT_EQ(with([](P& p) { p.joints[1].origin.position.y = NAN; }),
-            "joint j1.origin.position: must be finite");
-  EXPECT_EQ(with([](P& p) { p.outputs[1].link = "thumb"; }),
-            "output b.link = thumb: must be \"base\" or a joint given before");
-  EXPECT_EQ(with([](P& p) { p.outputs[1].name = "a"; }), "output a given twice: names must differ");
-  EXPECT_EQ(with([](P& p) { p.palm.reset(); }), "output wrist.link = base: nothing moves it");
-  EXPECT_NE(with([](P& p) { p.outputs.clear(); }), "accepted");
-  EXPECT_NE(with([](P& p) { p.outputs.resize(12); }), "accepted");
-  EXPECT_NE(with([](P& p) { p.joints.clear(); }), "accepted");
-  EXPECT_NE(with([](P& p) { p.palm->position_upper = -2.0; }), "accepted");
-  EXPECT_NE(with([](P& p) {
-              for (ChainJoint& joint : p.joints) joint.actuated = false;
-            }),
-            "accepted");
-  EXPECT_NE(with([](P& p) {
-              for (int i = 0; i < 20; ++i) {
-                p.joints.push_back(p.joints[0]);
-                p.joints.back().name = "more" + std::to_string(i);
-              }
-            }),
-            "accepted");
+  const struct {
+    void (*change)(P&);
+    const char* says;  ///< null: anything but that it is accepted
+  } cases[] = {
+      {[](P&) {}, "no error"},
+      {[](P& p) { p.joints[1].name = "j0"; }, "joint j0 given twice: names must differ"},
+      {[](P& p) { p.joints[1].name = ""; }, "a joint's name is empty: must be given"},
+      {[](P& p) { p.joints[1].name = "base"; }, "joint base: the name is taken by the fixed frame"},
+      {[](P& p) { p.joints[1].parent = "j4"; },
+       "joint j1.parent = j4: must be \"base\" or a joint given before"},
+      {[](P& p) {
+         p.joints[1].axis = Point3{0, 0, 0};
+       },
+       "joint j1.axis of length 0.000000: must be finite and not zero"},
+      {[](P& p) { p.joints[1].lower = p.joints[1].upper = 0.5; },
+       "joint j1 from 0.500000 to 0.500000: both must be finite, lower < upper"},
+      {[](P& p) {
+         p.joints[1].origin.orientation = UnitQuaternion{0, 0, 0, 0};
+       },
+       "joint j1.origin.orientation of norm 0.000000: must be a quaternion other than zero"},
+      {[](P& p) { p.joints[1].origin.position.y = NAN; },
+       "joint j1.origin.position: must be finite"},
+      {[](P& p) { p.outputs[1].link = "thumb"; },
+       "output b.link = thumb: must be \"base\" or a joint given before"},
+      {[](P& p) { p.outputs[1].name = "a"; }, "output a given twice: names must differ"},
+      {[](P& p) { p.palm.reset(); }, "output wrist.link = base: nothing moves it"},
+      {[](P& p) { p.outputs.clear(); }, nullptr},
+      {[](P& p) { p.outputs.resize(12); }, nullptr},
+      {[](P& p) { p.joints.clear(); }, nullptr},
+      {[](P& p) { p.palm->position_upper = -2.0; }, nullptr},
+      {[](P& p) {
+         for (ChainJoint& joint : p.joints) joint.actuated = false;
+       },
+       nullptr},
+      {[](P& p) {
+         for (int i = 0; i < 20; ++i) {
+           p.joints.push_back(p.joints[0]);
+           p.joints.back().name = "more" + std::to_string(i);
+         }
+       },
+       nullptr}};
+  for (const auto& c : cases) {
+    SerialChainParameters parameters = good;
+    c.change(parameters);
+    const std::string text =
+        haptic::test::message_of<SceneError>([&] { return make_serial_chain(parameters); });
+    if (c.says != nullptr) {
+      EXPECT_EQ(text, c.says);
+    } else {
+      EXPECT_NE(text, "no error");
+    }
+  }
 }
 
 }  // namespace

@@ -11,19 +11,21 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/rendering/proxy_solver.hpp"
-#include "haptic/core/rendering/renderer.hpp"
 #include "tests/core/linear/random_matrix.hpp"
-#include "tests/core/rendering/function_map.hpp"
+#include "tests/core/model/sample_maps.hpp"
+#include "tests/core/rendering/every_renderer.hpp"
+#include "tests/core/rendering/study_maps.hpp"
 #include "tests/support/dense_oracle.hpp"
+#include "tests/support/vectors.hpp"
 
 namespace haptic::core {
 namespace {
 
-using samples::FunctionMap;
 using samples::gaussian;
 
-const VecA kZ_q = (VecA(2) << 1.0, 50.0).finished();
-const VecX kX = (VecX(2) << 0.5, 0.9).finished();
+const VecA kZ_q = two(1.0, 50.0);
+const VecX kX = two(0.5, 0.9);
+const samples::WideMap kWideMap{};
 
 /// `Z`: a Z_q that couples; empty: it is diagonal.
 ProjectionSettings with_prior(double mu, const VecQ& M_n, IterationLimits iteration = {},
@@ -66,22 +68,16 @@ constexpr int kPlanes[3][2] = {{0, 1}, {0, 2}, {1, 2}};
 
 /// tests/report/STUDY.md#curved-wide-map, also with a Z_q that couples.
 TEST(Prior, NoCyclePumpsEnergy) {
-  const FunctionMap map = samples::wide_map();
   const Eigen::Matrix2d tied = (Eigen::Matrix2d() << 1.0, 4.0, 4.0, 50.0).finished();
   for (const auto& [mu, couples] : {std::pair{1e-3, false}, {0.1, false}, {0.1, true}}) {
     const Eigen::MatrixXd Z = couples ? tied : Eigen::Matrix2d(kZ_q.asDiagonal());
     const ProjectionModel model(
-        map, with_prior(mu, VecQ::Ones(1), kToTheEnd, couples ? Z : Eigen::MatrixXd()));
+        kWideMap, with_prior(mu, VecQ::Ones(1), kToTheEnd, couples ? Z : Eigen::MatrixXd()));
     const VecA stiffness = couples ? model.coupling()->scene_stiffness() : kZ_q;
     for (const auto& plane : kPlanes) {
       Renderer renderer(RendererKind::kSubspaceExact, model);
       const double work = loop_work(plane[0], plane[1], [&](const VecQ& q, bool first) {
-        VecX x_probe, dx;
-        MatXQ J;
-        static_cast<void>(map.evaluate(q, x_probe, J));
-        map.space().difference(kX, x_probe, dx);
-        Projection out;
-        renderer.project(Probe{q, x_probe, J}, kX, dx, stiffness, first, out);
+        const Projection out = projected(renderer, Instant(kWideMap, q, kX), stiffness, first);
         EXPECT_EQ(out.status, ProjectionStatus::kConverged);
         return VecA(Z * Eigen::VectorXd((out.q_star - q).head(2)));
       });
@@ -93,9 +89,8 @@ TEST(Prior, NoCyclePumpsEnergy) {
 /// The same circles with what core/METHOD.md#projection-algorithm forbids: the check above must be
 /// able to fail.
 TEST(Prior, LiveReferenceOrOtherMetricPumps) {
-  const FunctionMap map = samples::wide_map();
   for (const double mu : {1e-3, 0.1}) {
-    const ProjectionModel model(map, with_prior(mu, VecQ::Ones(1), kToTheEnd));
+    const ProjectionModel model(kWideMap, with_prior(mu, VecQ::Ones(1), kToTheEnd));
     const auto pumped = [&](int i, int j, const VecQ& M) {
       ProxySolver solver(model);
       Projection out;
@@ -115,27 +110,19 @@ TEST(Prior, LiveReferenceOrOtherMetricPumps) {
 
 /// tau_a = -dV/dq_a with V = 1/2 ||q*_a - q_a||^2_{Z_q} + storage, by differences.
 TEST(Prior, ForceIsMinusTheEnergysGradient) {
-  const FunctionMap map = samples::wide_map();
-  const ProjectionModel model(map, with_prior(0.05, VecQ::Constant(1, 3.0), kToTheEnd));
+  const ProjectionModel model(kWideMap, with_prior(0.05, VecQ::Constant(1, 3.0), kToTheEnd));
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> anywhere(-0.3, 0.3);
   for (int trial = 0; trial < 200; ++trial) {
     const VecQ q = (VecQ(3) << anywhere(random), anywhere(random), anywhere(random)).finished();
     SubspaceExact exact(model);
-    VecX x_probe = VecX::Zero(2);
-    MatXQ J = MatXQ::Zero(2, 3);
     bool first = true;
     VecA tau = VecA::Zero(2);
     const auto energy = [&](const VecQ& at) {
-      Projection out;
-      exact.project(Probe{at, x_probe, J}, kX, {}, kZ_q, first, out);
+      const Projection out = projected(exact, Instant(kWideMap, at, kX), kZ_q, first);
       first = false;
-      double spring = 0.0;
-      for (int i = 0; i < 2; ++i) {
-        tau[i] = kZ_q[i] * (out.q_star[i] - at[i]);
-        spring += 0.5 * tau[i] * tau[i] / kZ_q[i];
-      }
-      return spring + out.storage;
+      tau = spring_force(kWideMap.layout(), out, at, kZ_q);
+      return 0.5 * tau.dot(tau.cwiseQuotient(kZ_q)) + out.storage;
     };
     energy(q);  // q_n^ref = q_n from here on
     for (int i = 0; i < 2; ++i) {
@@ -157,9 +144,7 @@ TEST(Prior, LinearMapSolvesTheNormalEquations) {
     const int n_x = 1 + trial % 4, n_q = 2 + trial % 5, n_a = 1 + trial % (n_q - 1);
     const bool couples = trial % 3 == 0;
     const Eigen::MatrixXd A = gaussian(random, n_x, n_q), root = gaussian(random, n_a, n_a + 3);
-    const FunctionMap map(
-        samples::dofs(n_q, n_a, 1e6), samples::coordinates(n_x),
-        [A](const VecQ& q) { return VecX(A * q); }, [A](const VecQ&) { return MatXQ(A); });
+    const auto map = samples::linear_map(A, n_a);
     const double mu = std::pow(10.0, -trial % 4);
     const VecQ d = gaussian(random, n_q, 1).cwiseAbs() + Eigen::VectorXd::Constant(n_q, 0.1);
     Eigen::MatrixXd M = d.asDiagonal(), Z;
@@ -168,7 +153,7 @@ TEST(Prior, LinearMapSolvesTheNormalEquations) {
       M.topLeftCorner(n_a, n_a) = Z = (0.5 * (Z + Z.transpose())).eval();
     }
     const ProjectionModel model(
-        map, with_prior(mu, d.tail(n_q - n_a), couples ? kToTheEnd : IterationLimits{}, Z));
+        *map, with_prior(mu, d.tail(n_q - n_a), couples ? kToTheEnd : IterationLimits{}, Z));
     const VecA Z_q = couples ? model.coupling()->scene_stiffness() : VecA(d.head(n_a));
     const VecQ q0 = gaussian(random, n_q, 1), q1 = gaussian(random, n_q, 1);
     const VecX x = gaussian(random, n_x, 1);
@@ -179,11 +164,9 @@ TEST(Prior, LinearMapSolvesTheNormalEquations) {
         target + oracle::inverse(normal) * (A.transpose() * (x - A * target));
     for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
       Renderer renderer(kind, model);
-      Projection out;
-      const MatXQ J = A;
-      const VecX at0 = A * q0, at1 = A * q1, d0 = x - at0, d1 = x - at1;
-      renderer.project(Probe{q0, at0, J}, x, d0, Z_q, true, out);
-      renderer.project(Probe{q1, at1, J}, x, d1, Z_q, false, out);  // q_n^ref stays that of q0
+      projected(renderer, Instant(*map, q0, x), Z_q);
+      // q_n^ref stays that of q0.
+      const Projection out = projected(renderer, Instant(*map, q1, x), Z_q, false);
       ASSERT_LT((out.q_star - want).norm(), 1e-9 * (1.0 + want.norm()) / mu) << name(kind);
     }
   }
@@ -196,23 +179,17 @@ TEST(Prior, TheRenderedStiffnessIsPositiveSemidefinite) {
   std::uniform_real_distribution<double> decade(-3.0, 3.0);
   for (int trial = 0; trial < 1000; ++trial) {
     const int n_x = 1 + trial % 3, n_q = 4;
-    const MatXQ J = gaussian(random, n_x, n_q);
-    const FunctionMap map(
-        samples::dofs(n_q, 2, 1e9), samples::coordinates(n_x),
-        [J](const VecQ& q) { return VecX(J * q); }, [J](const VecQ&) { return J; });
-    const VecA Z_q =
-        (VecA(2) << std::pow(10.0, decade(random)), std::pow(10.0, decade(random))).finished();
-    const ProjectionModel model(map, with_prior(std::pow(10.0, decade(random)), VecQ::Ones(2)));
+    const auto map = samples::linear_map(gaussian(random, n_x, n_q), 2, 1e9);
+    const VecA Z_q = two(std::pow(10.0, decade(random)), std::pow(10.0, decade(random)));
+    const ProjectionModel model(*map, with_prior(std::pow(10.0, decade(random)), VecQ::Ones(2)));
     SubspaceLinear linear(model);
     Eigen::Matrix2d K;  // -d tau_a / dq_a, x and q_n held
     VecA tau_0;
     for (int column = -1; column < 2; ++column) {
       VecQ q = VecQ::Zero(n_q);
       if (column >= 0) q[column] = 1.0;
-      const VecX at = J * q, dx = -at;
-      Projection out;
-      linear.project(Probe{q, at, J}, {}, dx, Z_q, column < 0, out);
-      const VecA tau = Z_q.cwiseProduct((out.q_star - q).head(2));
+      const Projection out = projected(linear, Instant(*map, q, VecX::Zero(n_x)), Z_q, column < 0);
+      const VecA tau = spring_force(map->layout(), out, q, Z_q);
       if (column < 0) {
         tau_0 = tau;
       } else {
@@ -230,18 +207,14 @@ TEST(Prior, TheRenderedStiffnessIsPositiveSemidefinite) {
 }
 
 TEST(Prior, UnseenDirectionHasNoForce) {
-  const MatXQ J = (MatXQ(1, 2) << 1.0, 0.0).finished();  // the second actuator moves nothing in X
-  const FunctionMap map(
-      samples::dofs(2, 2, 10.0), samples::coordinates(1),
-      [J](const VecQ& q) { return VecX(J * q); }, [J](const VecQ&) { return J; });
-  const ProjectionModel model(map, with_prior(0.01, VecQ()));
+  // The second actuator moves nothing in X.
+  const auto map = samples::linear_map(Eigen::RowVector2d(1.0, 0.0), 2, 10.0);
+  const ProjectionModel model(*map, with_prior(0.01, VecQ()));
   for (const RendererKind kind : {RendererKind::kSubspaceLinear, RendererKind::kSubspaceExact}) {
     Renderer renderer(kind, model);
     for (double far : {0.0, 0.5, -3.0}) {
-      const VecQ q = (VecQ(2) << 0.1, far).finished();
-      const VecX at = J * q, x = VecX::Constant(1, 0.3), dx = x - at;
-      Projection out;
-      renderer.project(Probe{q, at, J}, x, dx, kZ_q, far == 0.0, out);
+      const Instant at(*map, two(0.1, far), one(0.3));
+      const Projection out = projected(renderer, at, kZ_q, far == 0.0);
       EXPECT_NEAR(out.q_star[1], far, 1e-12) << name(kind);
       EXPECT_GT(out.q_star[0], 0.25) << name(kind);
     }
@@ -251,38 +224,32 @@ TEST(Prior, UnseenDirectionHasNoForce) {
 /// core/METHOD.md#hand-without-prior, and 3.2: without a prior the hand is refused, with one it is
 /// calm.
 TEST(Prior, PointsOfAHandNeedOne) {
-  const FunctionMap hand = samples::hand(2);
-  EXPECT_THROW(require_rank(ProjectionModel(hand)), SceneError);
-  EXPECT_NO_THROW(require_rank(ProjectionModel(samples::hand(4))));  // its points do determine it
+  const auto hand = samples::hand_of_points(2), four = samples::hand_of_points(4);
+  EXPECT_THROW(require_rank(ProjectionModel(*hand)), SceneError);
+  EXPECT_NO_THROW(require_rank(ProjectionModel(*four)));  // its points do determine it
   // The weights of tests/report/STUDY.md#larger-devices: 0.1 per m of the wrist, 5 mm per rad
   // elsewhere.
   VecQ M_n(12);
   M_n << VecQ::Constant(3, 400.0), VecQ::Ones(9);
-  const ProjectionModel model(hand, with_prior(2.5e-5, M_n));
+  const ProjectionModel model(*hand, with_prior(2.5e-5, M_n));
   EXPECT_NO_THROW(require_rank(model));
 
   std::mt19937_64 random(25);
-  std::normal_distribution<double> noise(0.0, 0.003);
-  double with = 0.0, without = 0.0;
   const VecA Z_q = VecA::Ones(2);
+  const auto largest_step = [&](const ProjectionModel& by, const Instant& at) {
+    Renderer renderer(RendererKind::kSubspaceLinear, by);
+    const VecQ step = projected(renderer, at, Z_q).q_star - at.q;
+    EXPECT_TRUE(step.allFinite());
+    return step.cwiseAbs().maxCoeff();
+  };
+  double with = 0.0, without = 0.0;
   for (int trial = 0; trial < 300; ++trial) {
-    VecQ q(14);
-    for (int i = 0; i < 14; ++i) {
-      const DofSpec& dof = hand.dofs()[static_cast<std::size_t>(i)];
-      q[i] = std::uniform_real_distribution<double>(dof.lower, dof.upper)(random);
-    }
-    VecX x_probe;
-    MatXQ J;
-    static_cast<void>(hand.evaluate(q, x_probe, J));
-    VecX x = x_probe;
-    for (int i = 0; i < 18; ++i) x[i] += noise(random);
-    const VecX dx = x - x_probe;
-    Projection out;
-    Renderer(RendererKind::kSubspaceLinear, model).project({q, x_probe, J}, x, dx, Z_q, true, out);
-    ASSERT_TRUE(out.q_star.allFinite());
-    with = std::max(with, (out.q_star - q).cwiseAbs().maxCoeff());
-    Renderer(RendererKind::kSubspaceLinear, hand).project({q, x_probe, J}, x, dx, Z_q, true, out);
-    without = std::max(without, (out.q_star - q).cwiseAbs().maxCoeff());
+    const VecQ q = workspace_sample(*hand, trial);
+    VecX x;
+    ASSERT_EQ(hand->position(q, x), MapStatus::kOk);
+    const Instant at(*hand, q, x + 0.003 * VecX(gaussian(random, 18, 1)));
+    with = std::max(with, largest_step(model, at));
+    without = std::max(without, largest_step(*hand, at));
   }
   EXPECT_LT(with, 1.0);     // rad: 3 mm at a phalanx of 20 mm is 0.15 rad
   EXPECT_GT(without, 5.0);  // what the refusal is for
@@ -291,12 +258,11 @@ TEST(Prior, PointsOfAHandNeedOne) {
 }
 
 TEST(Prior, RefusesWrongSizes) {
-  const FunctionMap wide = samples::wide_map();
-  EXPECT_THROW(require_rank(ProjectionModel(wide)), SceneError);
-  EXPECT_NO_THROW(require_rank(ProjectionModel(wide, with_prior(0.1, VecQ::Ones(1)))));
-  EXPECT_THROW(ProjectionModel(wide, with_prior(0.1, VecQ::Ones(2))), SceneError);
-  EXPECT_THROW(ProjectionModel(wide, with_prior(0.1, VecQ::Zero(1))), SceneError);
-  EXPECT_THROW(ProjectionModel(wide, with_prior(0.0, VecQ::Ones(1))), SceneError);
+  EXPECT_THROW(require_rank(ProjectionModel(kWideMap)), SceneError);
+  EXPECT_NO_THROW(require_rank(ProjectionModel(kWideMap, with_prior(0.1, VecQ::Ones(1)))));
+  EXPECT_THROW(ProjectionModel(kWideMap, with_prior(0.1, VecQ::Ones(2))), SceneError);
+  EXPECT_THROW(ProjectionModel(kWideMap, with_prior(0.1, VecQ::Zero(1))), SceneError);
+  EXPECT_THROW(ProjectionModel(kWideMap, with_prior(0.0, VecQ::Ones(1))), SceneError);
   const auto finger = make_finger_exoskeleton(finger_sign_change());
   EXPECT_NO_THROW(require_rank(ProjectionModel(*finger)));
   EXPECT_THROW(ProjectionModel(*finger, with_prior(0.1, VecQ::Ones(1))), SceneError);

@@ -1,35 +1,24 @@
-// g and H of a round body, against the body itself: points are placed by rotations, and
-// their distance is that from a centre, or from an axis (core/METHOD.md#error-bound).
+// g and H of a round body, against the body itself (core/METHOD.md#error-bound).
 #include "haptic/core/contacts/round_gap.hpp"
 
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <random>
 #include <vector>
 
+#include "tests/core/contacts/round_bodies.hpp"
+
 namespace haptic::core::round_gap_test {
 namespace {
 
-using Eigen::Matrix3d;
-using Eigen::Vector2d;
-using Eigen::Vector3d;
+using namespace round_bodies;
 
 double between(std::mt19937& random, double lowest, double highest) {
   return std::uniform_real_distribution<double>(lowest, highest)(random);
 }
-
-/// A gap with its derivatives.
-struct Jet {
-  double phi{0.0};
-  Eigen::VectorXd g{};
-  Eigen::MatrixXd H{};
-};
-using Body = std::function<Jet(const Eigen::VectorXd& x)>;
 
 /// Told by its radius, or without.
 RoundGap told(RoundGap::Moves moves, const Jet& jet, double radius = 0.0) {
@@ -47,50 +36,14 @@ RoundGap::Off off(const RoundGap& round, const Eigen::VectorXd& z, const RoundGa
                                                   : round.hinges(RoundGap::Turn(z.data()), law);
 }
 
-/// The distance from a point at p, of which `across` is left if the body is a cylinder. `outside`:
-/// 1, or -1 if the body is hollow. Scaled, as contacts are.
-Jet distance(const Matrix3d& across, double radius, double outside, double scale, const Vector3d& p,
-             const Eigen::MatrixXd& J, const std::vector<std::vector<Vector3d>>& bends) {
-  const Vector3d r = across * p;
-  const double s = r.norm();
-  const Vector3d n = outside * r / s;
-  const Matrix3d surface = outside * (across - n * n.transpose()) / s;
-  Jet jet{scale * outside * (s - radius), scale * J.transpose() * n,
-          scale * J.transpose() * surface * J};
-  for (Eigen::Index j = 0; j < J.cols(); ++j) {
-    for (Eigen::Index k = 0; k < J.cols() && !bends.empty(); ++k) {
-      jet.H(j, k) += scale * n.dot(bends[static_cast<std::size_t>(j)][static_cast<std::size_t>(k)]);
-    }
-  }
-  return jet;
-}
-
-/// A pad of a finger of two links on a disc around `centre`.
-Body pad(const Vector2d& centre, double radius, double outside, double scale, const Vector2d& link,
-         const Vector2d& tip) {
-  return [=](const Eigen::VectorXd& x) {
-    const auto at = [](const Vector2d& v, double turn) -> Vector2d {
-      return Eigen::Rotation2Dd(turn) * v;
-    };
-    const auto flat = [](const Vector2d& v) { return Vector3d(v[0], v[1], 0.0); };
-    const Vector2d first = at(link, x[0]), second = at(tip, x[0] + x[1]);
-    Eigen::MatrixXd J(3, 2);
-    J.col(0) = flat(at(first + second, M_PI / 2.0));
-    J.col(1) = flat(at(second, M_PI / 2.0));
-    const Vector3d both = flat(-(first + second)), last = flat(-second);
-    return distance(Vector3d(1.0, 1.0, 0.0).asDiagonal(), radius, outside, scale,
-                    flat(first + second - centre), J, {{both, last}, {last, last}});
-  };
-}
-
 /// A point from a sphere or a cylinder, in 2 or 3 coordinates.
 Body point(int n, const Vector3d& start, bool sphere, double outside, double scale) {
   Matrix3d across = Matrix3d::Identity();
   if (!sphere) across(0, 0) = 0.0;
-  return [=](const Eigen::VectorXd& x) {
+  return [=](const Coordinates& x) {
     Vector3d p = start;
     p.tail(n) += x;  // in two coordinates: across the axis, or through the centre
-    return distance(across, 0.03, outside, scale, p, Matrix3d::Identity().rightCols(n), {});
+    return distance(across, 0.03, outside, scale, p, Matrix3d::Identity().rightCols(n));
   };
 }
 
@@ -168,7 +121,7 @@ TEST(RoundGap, TellsABodyOfAPoint) {
 TEST(RoundGap, AWallStaysFlat) {
   const Eigen::Matrix2d none = Eigen::Matrix2d::Zero();
   const Vector2d link(0.04, 0.01), tip(0.02, -0.01);
-  const Body wall = [&](const Eigen::VectorXd& x) {  // y >= 0
+  const Body wall = [&](const Coordinates& x) {  // y >= 0
     const Vector2d first = Eigen::Rotation2Dd(x[0]) * link;
     const Vector2d second = Eigen::Rotation2Dd(x[0] + x[1]) * tip;
     Eigen::Matrix2d H = none;

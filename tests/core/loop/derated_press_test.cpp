@@ -6,100 +6,54 @@
 #include <cmath>
 #include <string>
 
-#include "tests/support/loop/pipeline_loop.hpp"
-#include "tests/support/loop/rails.hpp"
+#include "tests/core/loop/rail_press.hpp"
 
-namespace haptic::core::derated_press {
+namespace haptic::core::press {
 namespace {
 
-using haptic::test::ClientSettings;
-using haptic::test::PipelineLoop;
-
-constexpr double kWhole = 1500.0, kObject = 500.0;   // N/m
-constexpr double kMass = 0.3, kDamping = 2.0;        // of the device, kg, N s/m
-constexpr double kHand = 800.0, kHandDamping = 8.0;  // N/m, N s/m
-constexpr double kCompliance = kWhole / kObject;
-
 PipelineConfig config(bool derating) {
-  PipelineConfig c = haptic::test::patient_rail();
+  PipelineConfig c = patient_rail();
   c.derating = derating;
   return c;
 }
 
-/// A simulation of a soft or rigid wall at 0.
-ClientSettings client(ProxyMode mode, double round_trip_s, double compliance = kCompliance) {
-  ClientSettings client;
-  client.mode = mode;
-  client.stop = VecX::Zero(1);
-  client.compliance = compliance;
-  client.delay_s = round_trip_s;
-  return client;
-}
-
 /// The surface that it sends as planes without ids, while it sees contact.
-ClientSettings derived_planes(double round_trip_s, double compliance = kCompliance) {
-  ClientSettings settings = client(ProxyMode::kPlanes, round_trip_s, compliance);
+ClientSettings derived_planes(double round_trip_s) {
+  ClientSettings settings = wall_client(round_trip_s, ProxyMode::kPlanes, 0.0);
   settings.told_rigid = settings.only_in_contact = true;
   return settings;
 }
 
-struct Press {
-  double given{0.0};  ///< J, most beyond the device's own damping
-  double peak{0.0};   ///< of the force felt in contact, N
-  double error{0.0};  ///< rms in contact against the wall itself with the stiffness in effect, N
-  double ideal_peak{0.0};  ///< of that wall, N
-  double drag{0.0};        ///< largest outside the object, N
-  double held_back{0.0};   ///< share of the ticks in contact in which the tank acted
-  double stiffness{0.0};   ///< least in effect, N/m
+struct DeratedFigures : Figures {
+  double stiffness{Rails::coupling};  ///< least in effect, N/m
 };
 
-/// In and out of the wall by 18 mm at 0.7 Hz, from the second time on.
-Press in_and_out(const ClientSettings& of, bool derating, bool tank) {
-  constexpr int kSubsteps = 10, kBegin = 1000, kFrom = kBegin + 1429, kTicks = kBegin + 10000;
-  constexpr double kAmplitude = 0.018, w = 2.0 * M_PI * 0.7, dt = 1e-3 / kSubsteps;
-  PipelineConfig c = config(derating);
-  c.passivity.tank.enabled = tank;
-  PipelineLoop loop(c, of, kDamping);
-  Press f{.stiffness = kWhole};
-  double q = -kAmplitude, v = 0.0, squares = 0.0;
-  int contact = 0, held_back = 0;
-  for (int k = 1; k <= kTicks; ++k) {
-    for (int s = 0; s < kSubsteps; ++s) {
-      const double t = std::max(0.0, (k - kBegin) * 1e-3 + s * dt);
-      const double push = kHand * (-kAmplitude * std::cos(w * t) - q) +
-                          kHandDamping * (kAmplitude * w * std::sin(w * t) - v) + loop.tau();
-      v = (v + dt * push / kMass) / (1.0 + dt * kDamping / kMass);
-      q = std::clamp(q + dt * v, -0.9, 0.9);
-    }
-    if (k == kBegin - 400) loop.engage();
-    const TickRecord& record = loop.tick(VecQ::Constant(1, q));
+/// From the second push on, against the wall itself with the stiffness in effect. With a tank that
+/// begins as PassivitySettings has it, or without.
+DeratedFigures in_and_out(const ClientSettings& client, bool derating, bool tank) {
+  DeratedFigures f;
+  Press press{.pipeline = config(derating), .client = client, .judged_from = 1.429};
+  press.pipeline.passivity.tank.enabled = tank;
+  const auto in_effect = [](const TickRecord& record) {
     const VecA& derated = record.derating.stiffness;
-    const double K = derated.size() > 0 ? derated[0] : kWhole;
-    f.stiffness = std::min(f.stiffness, K);
-    if (k < kFrom) continue;
-    if (q <= 0.0) {
-      f.drag = std::max(f.drag, std::abs(loop.tau()));
-      continue;
-    }
-    const double ideal = -K * q / (1.0 + of.compliance);
-    squares += (loop.tau() - ideal) * (loop.tau() - ideal);
-    f.peak = std::max(f.peak, -loop.tau());
-    f.ideal_peak = std::max(f.ideal_peak, -ideal);
-    held_back += record.limiters().has(Limiter::kEnergyTank) ? 1 : 0;
-    ++contact;
-  }
-  loop.require_engaged();
-  f.given = loop.energy().most_net();
-  f.error = std::sqrt(squares / std::max(contact, 1));
-  f.held_back = static_cast<double>(held_back) / std::max(contact, 1);
+    return derated.size() > 0 ? derated[0] : Rails::coupling;
+  };
+  press.shadow = [&](const TickRecord& record) {
+    return -in_effect(record) * std::max(0.0, record.sensed.q[0]) / (1.0 + client.compliance);
+  };
+  press.observe = [&](const TickRecord& record) {
+    f.stiffness = std::min(f.stiffness, in_effect(record));
+  };
+  static_cast<Figures&>(f) = felt(press);
   return f;
 }
 
 TEST(DeratedPress, HeldProxyGivesNoEnergy) {
   for (const double round_trip : {0.050, 0.100}) {
     SCOPED_TRACE(std::to_string(round_trip));
-    const ClientSettings held = client(ProxyMode::kHeld, round_trip);
-    const Press whole = in_and_out(held, false, false), derated = in_and_out(held, true, false);
+    const ClientSettings held = wall_client(round_trip, ProxyMode::kHeld);
+    const DeratedFigures whole = in_and_out(held, false, false);
+    const DeratedFigures derated = in_and_out(held, true, false);
     EXPECT_GT(whole.given, 0.05);
     EXPECT_LT(derated.given, 1e-6);
     EXPECT_LT(derated.drag, 0.2 * whole.drag);
@@ -110,11 +64,12 @@ TEST(DeratedPress, TankHoldsBackLess) {
   for (const double round_trip : {0.050, 0.100}) {
     SCOPED_TRACE(std::to_string(round_trip));
     for (const ClientSettings& sent :
-         {client(ProxyMode::kHeld, round_trip), derived_planes(round_trip, 0.0)}) {
-      const Press whole = in_and_out(sent, false, true), derated = in_and_out(sent, true, true);
+         {wall_client(round_trip, ProxyMode::kHeld), derived_planes(round_trip)}) {
+      const DeratedFigures whole = in_and_out(sent, false, true);
+      const DeratedFigures derated = in_and_out(sent, true, true);
       EXPECT_LE(derated.given, 1e-6);
       EXPECT_LT(derated.held_back, 0.7 * whole.held_back);
-      EXPECT_LT(derated.error / derated.ideal_peak, 1.25 * whole.error / whole.ideal_peak);
+      EXPECT_LT(derated.percent(), 1.25 * whole.percent());
     }
   }
 }
@@ -122,9 +77,9 @@ TEST(DeratedPress, TankHoldsBackLess) {
 TEST(DeratedPress, ContactsKeepTheirStiffness) {
   for (const double round_trip : {0.0, 0.100, 0.200}) {
     SCOPED_TRACE(std::to_string(round_trip));
-    EXPECT_EQ(in_and_out(client(ProxyMode::kPlanes, round_trip), true, true).stiffness, kWhole);
+    EXPECT_EQ(in_and_out(wall_client(round_trip), true, true).stiffness, Rails::coupling);
   }
-  EXPECT_EQ(in_and_out(client(ProxyMode::kHeld, 0.0), true, true).stiffness, kWhole);
+  EXPECT_EQ(in_and_out(wall_client(0.0, ProxyMode::kHeld), true, true).stiffness, Rails::coupling);
 }
 
 /// The device is led to and fro in free space, where a held proxy that is not quite the probe is
@@ -132,12 +87,12 @@ TEST(DeratedPress, ContactsKeepTheirStiffness) {
 TEST(DeratedPress, AnyHandsDampingPaysForIt) {
   for (const double round_trip : {0.010, 0.020, 0.050, 0.100}) {
     for (const double jitter : {0.0, 0.3}) {
-      ClientSettings late = client(ProxyMode::kHeld, round_trip);
+      ClientSettings late = wall_client(round_trip, ProxyMode::kHeld);
       late.simulate = [](haptic::test::Frame& frame) { frame.x = frame.x_probe.array() + 2e-6; };
       late.jitter = jitter;
       for (double hz = 1.0; hz < 60.0; hz *= 1.07) {
         // The device's damping, and twice as much of the hand.
-        PipelineLoop loop(config(true), late, 3.0 * kDamping);
+        haptic::test::PipelineLoop loop(config(true), late, 3.0 * Rails::damping);
         double largest = 0.0, net = 0.0;
         for (int k = 1; k <= 6000; ++k) {
           const double t = 1e-3 * k;
@@ -155,4 +110,4 @@ TEST(DeratedPress, AnyHandsDampingPaysForIt) {
 }
 
 }  // namespace
-}  // namespace haptic::core::derated_press
+}  // namespace haptic::core::press

@@ -1,76 +1,33 @@
-// The bound of the felt force's error (core/METHOD.md#error-bound), on the real pipeline in virtual
-// time: a hand moves a mass in and out of a soft object whose simulation is behind a network.
+// The bound of the felt force's error (core/METHOD.md#error-bound), in a press behind a network.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
-#include "haptic/core/rendering/renderer.hpp"
-#include "tests/support/loop/pipeline_loop.hpp"
-#include "tests/support/loop/rails.hpp"
+#include "tests/core/loop/rail_press.hpp"
+#include "tests/core/rendering/every_renderer.hpp"
+#include "tests/support/angles.hpp"
 
-namespace haptic::core::error_bound_test {
+namespace haptic::core::press {
 namespace {
 
-using haptic::test::ClientSettings;
-using haptic::test::PipelineLoop;
-
-constexpr double kSpring = haptic::test::Rails::coupling, kObject = 500.0;  // N/m
-constexpr double kTrueGamma = kSpring / kObject;
-constexpr double kRounding = 1e-5;  // N
-
-struct Judged {
-  std::vector<double> errors{}, bounds{};  ///< in contact, N
-  double peak{0.0};                        ///< N
-  int unknown{0};                          ///< ticks, of all
-  int broken{0};
-};
-
 ClientSettings telling_client(double round_trip_s, double told) {
-  ClientSettings client;
-  client.mode = ProxyMode::kPlanes;
-  client.stop = VecX::Zero(1);
-  client.compliance = kTrueGamma;
-  client.told_compliance = told * kTrueGamma;
-  client.delay_s = round_trip_s;
+  ClientSettings client = wall_client(round_trip_s);
+  client.told_compliance = told * kGamma;
   client.lost = 0.1;
   return client;
 }
 
-Judged press(const ClientSettings& client, double tank = -1.0) {
-  constexpr int kBegin = 1000, kTicks = kBegin + 8000;
-  PipelineLoop loop(haptic::test::patient_rail(tank), client, haptic::test::Rails::damping);
-  haptic::test::HandMasses mass(haptic::test::swinging(0.7, 0.018));
-  Judged judged;
-  for (int k = 1; k <= kTicks; ++k) {
-    mass.step((k - kBegin) * 1e-3, loop.tau_a());
-    const double q = mass.q()[0];
-    if (k == kBegin - 400) loop.engage();
-    const TickRecord& record = loop.tick(mass.q());
-    if (k < kBegin) continue;
-    const double shadow = q > 0.0 ? -kSpring * q / (1.0 + kTrueGamma) : 0.0;
-    judged.peak = std::max(judged.peak, -shadow);
-    if (record.effort.error_bound.size() == 0) {
-      ++judged.unknown;
-      continue;
-    }
-    const double error = std::abs(record.effort.tau_elastic[0] - record.life.gain * shadow);
-    judged.broken += error > record.effort.error_bound[0] + kRounding ? 1 : 0;
-    if (q <= 0.0) continue;
-    judged.errors.push_back(error);
-    judged.bounds.push_back(record.effort.error_bound[0]);
-  }
-  loop.require_engaged();
-  return judged;
+/// Known all the time, and kept.
+void expect_bound(const report::ShadowFigures& f) {
+  EXPECT_EQ(f.kept, 1.0);
+  EXPECT_EQ(f.bounded, 1.0);
 }
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+/// Nor vacuous.
+void expect_narrow(const report::ShadowFigures& f) {
+  EXPECT_LT(f.bound_median, 5.0 * f.error_median);
 }
 
 TEST(ErrorBound, HoldsAtAnyDelay) {
@@ -79,81 +36,59 @@ TEST(ErrorBound, HoldsAtAnyDelay) {
       SCOPED_TRACE(std::to_string(round_trip) + " s, told " + std::to_string(told));
       ClientSettings client = telling_client(round_trip, told);
       client.uncertainty = 0.2;
-      const Judged judged = press(client);
-      EXPECT_EQ(judged.broken, 0);
-      EXPECT_EQ(judged.unknown, 0);
-      if (told != 1.0 && round_trip > 0.0) {
-        EXPECT_LT(median(judged.bounds), 5.0 * median(judged.errors));
-      }
+      const Figures f = felt({.client = client});
+      expect_bound(f);
+      if (told != 1.0 && round_trip > 0.0) expect_narrow(f);
     }
   }
 }
 
 TEST(ErrorBound, IsNothingForAnExactLaw) {
   for (const double round_trip : {0.0, 0.100, 0.200}) {
-    ClientSettings client = telling_client(round_trip, 1.0);
-    client.uncertainty = 0.0;
-    const Judged judged = press(client);
-    EXPECT_EQ(judged.broken, 0);
-    EXPECT_EQ(judged.unknown, 0);
-    EXPECT_LT(*std::max_element(judged.bounds.begin(), judged.bounds.end()), 1e-6);
+    Press press{.client = telling_client(round_trip, 1.0)};
+    press.client.uncertainty = 0.0;
+    double largest = 0.0;
+    press.observe = [&](const TickRecord& record) {
+      const VecA& bound = record.effort.error_bound;
+      if (bound.size() > 0 && record.life.gain == 1.0) largest = std::max(largest, bound[0]);
+    };
+    expect_bound(felt(press));
+    EXPECT_LT(largest, 1e-6);
   }
 }
 
-/// A finger that wanders in and out of two soft stops, one of each joint, by the rule per contact,
-/// against that rule on the simulation's own proxy and contacts.
-Judged wander(const FingerDimensions& dimensions, const VecX& stop, double round_trip, double told,
-              double uncertainty, int& contradicted) {
-  constexpr double kDegree = M_PI / 180.0;
-  constexpr int kBegin = 1000, kTicks = kBegin + 8000;
-  PipelineConfig c;
+/// A finger that wanders in and out of two soft stops (degrees), one of each joint, by the rule per
+/// contact, against that rule on the simulation's own proxy and contacts.
+report::ShadowFigures wander(const FingerDimensions& dimensions, const VecX& stop,
+                             double round_trip, double told, double uncertainty,
+                             int& contradicted) {
+  Press press{.client = telling_client(round_trip, told)};
+  PipelineConfig& c = press.pipeline;
   c.kinematics = make_finger_exoskeleton(dimensions);
-  c.device.q_lower = (VecQ(2) << -0.01, -1.6).finished();
-  c.device.q_upper = (VecQ(2) << 0.06, 1.6).finished();
-  c.device.max_effort = c.scene.force_limit = c.scene.engage_window = VecA::Constant(1, 100.0);
+  c.device.q_lower = two(-0.01, -1.6);
+  c.device.q_upper = two(0.06, 1.6);
   c.scene.renderer = RendererKind::kPerContact;
-  c.scene.stiffness = VecA::Constant(1, kSpring);
-  c.scene.damping = VecA::Zero(1);
-  c.scene.slew_limit = VecA::Constant(1, 1e7);
-  c.scene.staleness.hold_end = std::chrono::milliseconds(400);
-  c.scene.staleness.fade_end = std::chrono::milliseconds(500);
-  ClientSettings client = telling_client(round_trip, told);
-  client.stop = kDegree * stop;
-  client.uncertainty = uncertainty;
-  PipelineLoop loop(c, client, 0.0);
-  Renderer rule(RendererKind::kPerContact, *c.kinematics);
-  Contacts contacts{.into = MatXQ::Identity(2, 2), .depth = VecX::Zero(2)};
-  Judged judged;
-  for (int k = 1; k <= kTicks; ++k) {
-    const double t = 1e-3 * k;
+  press.client.stop = kDegree * stop;
+  press.client.uncertainty = uncertainty;
+  press.device = [&](double t) {
     const VecX aim =
-        client.stop +
-        6.0 * kDegree * VecX(Eigen::Vector2d(std::sin(4.3 * t), std::sin(6.1 * t + 1.0)));
+        press.client.stop + 6.0 * kDegree * two(std::sin(4.3 * t), std::sin(6.1 * t + 1.0));
     VecQ q;
     EXPECT_EQ(c.kinematics->inverse(aim, q), InverseStatus::kExact);
-    if (k == kBegin - 400) loop.engage();
-    const TickRecord& record = loop.tick(q);
-    if (k < kBegin) continue;
-    const VecX& p = loop.x_probe();
-    contacts.depth = p - client.stop;
-    const VecX dx = -contacts.depth.cwiseMax(0.0) / (1.0 + kTrueGamma);
-    Projection out;
-    rule.project({q, p, loop.J(), {&contacts}}, p + dx, dx, c.scene.stiffness, true, out);
-    const double shadow = kSpring * (out.q_star[0] - q[0]);
-    judged.peak = std::max(judged.peak, std::abs(shadow));
-    if (record.effort.error_bound.size() == 0) {
-      ++judged.unknown;
-      continue;
-    }
-    const double error = std::abs(record.effort.tau_elastic[0] - record.life.gain * shadow);
-    judged.broken += error > record.effort.error_bound[0] + kRounding ? 1 : 0;
+    return q;
+  };
+  Renderer rule(RendererKind::kPerContact, *c.kinematics);
+  Contacts contacts{.into = MatXQ::Identity(2, 2), .depth = VecX::Zero(2)};
+  press.shadow = [&](const TickRecord& record) {
+    const VecX& p = record.anchor.x_probe;
+    contacts.depth = p - press.client.stop;
+    const VecX x = p - contacts.depth.cwiseMax(0.0) / (1.0 + kGamma);
+    const Instant at(*c.kinematics, record.sensed.q, x);
+    const Projection out = projected(rule, at, c.scene.stiffness, true, {&contacts});
     contradicted += out.contradicted ? 1 : 0;
-    if (shadow == 0.0) continue;
-    judged.errors.push_back(error);
-    judged.bounds.push_back(record.effort.error_bound[0]);
-  }
-  loop.require_engaged();
-  return judged;
+    return spring_force(c.kinematics->layout(), out, at.q, c.scene.stiffness)[0];
+  };
+  return felt(press);
 }
 
 TEST(ErrorBound, HoldsByTheRulePerContact) {
@@ -169,16 +104,13 @@ TEST(ErrorBound, HoldsByTheRulePerContact) {
     for (const double round_trip : {0.0, 0.020, 0.100, 0.200}) {
       for (const double told : {0.8, 1.0, 1.2}) {
         SCOPED_TRACE(std::to_string(round_trip) + " s, told " + std::to_string(told));
-        const Judged judged = wander(dimensions, stop, round_trip, told, 0.25, contradicted);
-        EXPECT_EQ(judged.broken, 0);
-        EXPECT_EQ(judged.unknown, 0);
-        if (told != 1.0 && round_trip > 0.0) {
-          EXPECT_LT(median(judged.bounds), 5.0 * median(judged.errors));
-        }
+        const auto f = wander(dimensions, stop, round_trip, told, 0.25, contradicted);
+        expect_bound(f);
+        if (told != 1.0 && round_trip > 0.0) expect_narrow(f);
       }
-      const Judged exact = wander(dimensions, stop, round_trip, 1.0, 0.0, contradicted);
-      EXPECT_EQ(exact.broken, 0);
-      EXPECT_LT(*std::max_element(exact.bounds.begin(), exact.bounds.end()), 1e-6);
+      const auto exact = wander(dimensions, stop, round_trip, 1.0, 0.0, contradicted);
+      EXPECT_EQ(exact.kept, 1.0);
+      EXPECT_LT(exact.bound_median, 1e-6);
     }
     EXPECT_EQ(contradicted > 1000, contradicts);
   }
@@ -187,27 +119,25 @@ TEST(ErrorBound, HoldsByTheRulePerContact) {
 TEST(ErrorBound, CountsForceHeldBack) {
   ClientSettings client = telling_client(0.100, 0.5);
   client.uncertainty = 0.5;
-  const Judged judged = press(client, 0.0);
-  EXPECT_EQ(judged.broken, 0);
-  EXPECT_EQ(judged.unknown, 0);
+  expect_bound(felt({.pipeline = patient_rail(0.0), .client = client}));
 }
 
 TEST(ErrorBound, BreaksIfTheUncertaintyIsFalse) {
   ClientSettings client = telling_client(0.100, 2.0);
   client.uncertainty = 0.1;
-  EXPECT_GT(press(client).broken, 0) << "the check can fail";
+  EXPECT_LT(felt({.client = client}).kept, 1.0) << "the check can fail";
 }
 
 TEST(ErrorBound, IsUnknownIfNothingIsTold) {
   ClientSettings client = telling_client(0.020, 1.0);
-  EXPECT_TRUE(press(client).bounds.empty()) << "no uncertainty";
+  EXPECT_EQ(felt({.client = client}).bounded, 0.0) << "no uncertainty";
   client.uncertainty = 0.0;
   client.anchored = false;
-  EXPECT_TRUE(press(client).bounds.empty()) << "no anchor";
+  EXPECT_EQ(felt({.client = client}).bounded, 0.0) << "no anchor";
   client.compliance = 0.0;
   client.mode = ProxyMode::kHeld;
-  EXPECT_TRUE(press(client).bounds.empty()) << "held";
+  EXPECT_EQ(felt({.client = client}).bounded, 0.0) << "held";
 }
 
 }  // namespace
-}  // namespace haptic::core::error_bound_test
+}  // namespace haptic::core::press

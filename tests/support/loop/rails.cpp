@@ -30,15 +30,14 @@ Hand swinging(double hz, double amplitude) {
   };
 }
 
-HandMasses::HandMasses(Hand hand)
-    : hand_(std::move(hand)), q_(hand_(kBefore).at), v_(core::VecQ::Zero(q_.size())) {}
+HandMasses::HandMasses(Hand hand, const HandOnMass& of)
+    : hand_(std::move(hand)), of_(of), q_(hand_(kBefore).at), v_(core::VecQ::Zero(q_.size())) {}
 
 void HandMasses::step(double t, const core::VecA& tau) {
   for (int s = kHandSteps - 1; s >= 0; --s) {
     const HandAim aim = hand_(t - s * kHandStep);
-    const core::VecQ push =
-        Rails::hand * (aim.at - q_) + Rails::hand_damping * (aim.rate - v_) + tau;
-    v_ = (v_ + kHandStep * push / Rails::mass) / (1.0 + kHandStep * Rails::damping / Rails::mass);
+    const core::VecQ push = of_.hand * (aim.at - q_) + of_.hand_damping * (aim.rate - v_) + tau;
+    v_ = (v_ + kHandStep * push / of_.mass) / (1.0 + kHandStep * of_.damping / of_.mass);
     q_ += kHandStep * v_;
   }
 }

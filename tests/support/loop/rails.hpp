@@ -9,9 +9,14 @@
 namespace haptic::test {
 
 struct Rails {
-  static constexpr double coupling = 1500.0;                 ///< Z_q, N/m
-  static constexpr double mass = 0.3, damping = 2.0;         ///< of a device, kg, N s/m
-  static constexpr double hand = 800.0, hand_damping = 8.0;  ///< N/m, N s/m
+  static constexpr double coupling = 1500.0;          ///< Z_q, N/m
+  static constexpr double mass = 0.3, damping = 2.0;  ///< of a device, kg, N s/m
+};
+
+/// A device's mass and damping, and the spring and damper of the hand on it.
+struct HandOnMass {
+  double mass{Rails::mass}, damping{Rails::damping};  ///< kg, N s/m
+  double hand{800.0}, hand_damping{8.0};              ///< N/m, N s/m
 };
 
 /// Where a hand aims at, and how fast that moves.
@@ -29,14 +34,16 @@ void swing(double t, double hz, double centre, double amplitude, Eigen::Index i,
 class HandMasses {
  public:
   /// At rest where the hand is before its motion.
-  explicit HandMasses(Hand hand);
+  explicit HandMasses(Hand hand, const HandOnMass& of = {});
 
   /// Over one tick of 1 ms that ends at `t` s, under the force held.
   void step(double t, const core::VecA& tau);
-  [[nodiscard]] const core::VecQ& q() const noexcept { return q_; }
+  [[nodiscard]] const core::VecQ& q() const noexcept { return q_; }  ///< m
+  [[nodiscard]] const core::VecQ& v() const noexcept { return v_; }  ///< m/s
 
  private:
   Hand hand_;
+  HandOnMass of_;
   core::VecQ q_, v_;
 };
 

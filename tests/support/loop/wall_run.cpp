@@ -3,40 +3,27 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptic/core/model/linear.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
+#include "tests/support/loop/rails.hpp"
 
 namespace haptic::test {
 namespace {
 
 using core::VecA;
-using core::VecQ;
 
+constexpr HandOnMass kMass{.mass = 0.15, .damping = 1.0, .hand = 300.0, .hand_damping = 2.0};
+constexpr double kReach = 0.19;        // m, ends of the device
 constexpr double kEngage_s = 0.6;      // ten samples at 30 Hz, 100 ms late, and some
 constexpr double kRamp_s = 0.3;        // then the gain's ramp is over
 constexpr double kCentre = -0.002;     // m, of the hand's cycle
 constexpr double kPressDepth = 0.020;  // m, target of the pressing hand
 constexpr double kRise_s = 0.8;        // of the press
-constexpr int kSubsteps = 10;
 
 core::PipelineConfig pipeline_for(const WallRun& what) {
-  core::LinearMap map{.dofs = {{"l", core::Unit::kMetre, true, -0.2, 0.2}},
-                      .coordinates = {{"x", core::Unit::kMetre, core::CoordinateKind::kLinear}},
-                      .A = core::MatXQ::Identity(1, 1),
-                      .x_0 = core::VecX::Zero(1)};
-  core::PipelineConfig c{.kinematics = core::make_linear(map)};
-  c.device.q_lower = VecQ::Constant(1, -1.0);
-  c.device.q_upper = VecQ::Constant(1, 1.0);
-  c.device.max_effort = VecA::Constant(1, 100.0);
-  c.scene.stiffness = VecA::Constant(1, what.stiffness);
-  c.scene.damping = VecA::Zero(1);
-  c.scene.force_limit = VecA::Constant(1, 60.0);
-  c.scene.slew_limit = VecA::Constant(1, 1e7);
-  c.scene.engage_window = VecA::Constant(1, 60.0);
   // The ladder of proto/README.md#staleness-and-gain has its own tests; here a slow client is still
   // a client.
-  c.scene.staleness.hold_end = std::chrono::milliseconds(400);
-  c.scene.staleness.fade_end = std::chrono::milliseconds(500);
+  core::PipelineConfig c = patient_rail();
+  c.scene.stiffness[0] = what.stiffness;
   c.passivity = what.passivity;
   return c;
 }
@@ -47,20 +34,18 @@ double begin_of(const WallRun& what) {
   return kEngage_s / arrive + kRamp_s;
 }
 
-struct Aim {
-  double at{0.0}, rate{0.0};  ///< m, m/s
-};
-
 /// `since` the hand began, s; negative before.
-Aim aim(const WallRun& what, double since) {
+HandAim aim(const WallRun& what, double since) {
+  const auto one = [](double value) { return core::VecQ(core::VecQ::Constant(1, value)); };
   if (!what.cycles) {
     const double out = kCentre - kWallAmplitude;
     const double u = std::clamp(since / kRise_s, 0.0, 1.0);
     const double way = u * u * u * (10.0 + u * (6.0 * u - 15.0));  // minimum jerk
-    return {out + way * (kPressDepth - out), 0.0};
+    return {one(out + way * (kPressDepth - out)), one(0.0)};
   }
   const double w = 2.0 * M_PI, phase = w * std::max(since, 0.0);
-  return {kCentre - kWallAmplitude * std::cos(phase), kWallAmplitude * w * std::sin(phase)};
+  return {one(kCentre - kWallAmplitude * std::cos(phase)),
+          one(kWallAmplitude * w * std::sin(phase))};
 }
 
 /// Sums that become figures.
@@ -69,11 +54,12 @@ struct Sums {
   int outside{0}, late{0};
 };
 
-void account(const core::TickRecord& record, double wall, const HandMass& mass, bool late,
+void account(const core::TickRecord& record, double wall, const HandMasses& mass, bool late,
              WallFigures& f, Sums& sums) {
   const double force = std::abs(record.effort.tau_a[0]);
-  f.top_speed = std::max(f.top_speed, std::abs(mass.v()));
-  f.largest_q = std::max(f.largest_q, std::abs(mass.q()));
+  const double q = mass.q()[0], v = mass.v()[0];
+  f.top_speed = std::max(f.top_speed, std::abs(v));
+  f.largest_q = std::max(f.largest_q, std::abs(q));
   f.peak_force = std::max(f.peak_force, force);
   f.throttled += record.limiters().has(core::Limiter::kEnergyTank) ? 1 : 0;
   if (record.sensed.q[0] < wall) {
@@ -82,7 +68,7 @@ void account(const core::TickRecord& record, double wall, const HandMass& mass, 
   }
   if (!late) return;
   ++sums.late;
-  sums.squares += mass.v() * mass.v();
+  sums.squares += v * v;
 }
 
 }  // namespace
@@ -99,7 +85,7 @@ core::PassivitySettings wall_tank(double initial) {
   core::PassivitySettings p;
   p.tank.enabled = true;
   p.tank.initial = initial;
-  p.device_damping = VecA::Constant(1, HandMass::kDamping);
+  p.device_damping = VecA::Constant(1, kMass.damping);
   return p;
 }
 
@@ -107,22 +93,18 @@ WallFigures run(const WallRun& what) {
   const double begin = begin_of(what), seconds = what.cycles ? 8.0 : 4.0;
   const int total = static_cast<int>((begin + seconds) * 1000.0);
   const int engage = static_cast<int>((begin - kRamp_s) * 1000.0);
-  PipelineLoop loop(pipeline_for(what), what.client, HandMass::kDamping);
-  HandMass mass(aim(what, -begin).at);
+  PipelineLoop loop(pipeline_for(what), what.client, kMass.damping);
+  HandMasses mass([&](double t) { return aim(what, t - begin); }, kMass);
   WallFigures figures;
   Sums sums;
   for (int k = 1; k <= total; ++k) {
     const double t = k * PipelineLoop::kTick_s;
-    constexpr double dt = PipelineLoop::kTick_s / kSubsteps;
-    for (int s = kSubsteps - 1; s >= 0; --s) {
-      const Aim hand = aim(what, t - s * dt - begin);
-      mass.step(dt, loop.tau(), hand.at, hand.rate);
-    }
+    mass.step(t, loop.tau_a());
     if (k == engage) loop.engage();
-    const core::TickRecord& record = loop.tick(VecQ::Constant(1, mass.q()));
+    const core::TickRecord& record = loop.tick(mass.q());
     if (t < begin) continue;
     account(record, what.client.stop[0], mass, k > total - 1000, figures, sums);
-    if (std::abs(mass.q()) >= HandMass::kReach) {
+    if (std::abs(mass.q()[0]) >= kReach) {
       figures.top_speed = figures.rms_speed = HUGE_VAL;
       break;
     }

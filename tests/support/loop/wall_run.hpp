@@ -1,9 +1,9 @@
 #pragma once
 /// The one-DoF experiment of core/METHOD.md#local-models on the real Pipeline: a mass that a hand
-/// presses on a wall, or moves in and out of it, with the simulation of the wall behind a network.
+/// presses on a wall through a spring and a damper, or moves in and out of it, with the simulation
+/// of the wall behind a network.
 
 #include "haptic/core/passivity/passivity.hpp"
-#include "tests/support/loop/hand_mass.hpp"
 #include "tests/support/loop/remote_client.hpp"
 
 namespace haptic::test {

@@ -44,18 +44,16 @@ TEST(ActuatorLimits, TheRangeOfAMovingActuator) {
     ratings.power = c.power;
     ratings.rate = c.rate_limit;
     const ForceRange range = moving_range(ratings, c.rate, kForce);
-    if (std::isfinite(c.lower)) {
-      EXPECT_NEAR(range.lower, c.lower, 1e-12) << c.what;
-      EXPECT_EQ(range.lower_by, c.by) << c.what;
-    } else {
-      EXPECT_EQ(range.lower, c.lower) << c.what;
-    }
-    if (std::isfinite(c.upper)) {
-      EXPECT_NEAR(range.upper, c.upper, 1e-12) << c.what;
-      EXPECT_EQ(range.upper_by, c.by) << c.what;
-    } else {
-      EXPECT_EQ(range.upper, c.upper) << c.what;
-    }
+    const auto expect = [&](double got, double wanted, Limiter by) {
+      if (std::isinf(wanted)) {
+        EXPECT_EQ(got, wanted) << c.what;
+      } else {
+        EXPECT_NEAR(got, wanted, 1e-12) << c.what;
+        EXPECT_EQ(by, c.by) << c.what;
+      }
+    };
+    expect(range.lower, c.lower, range.lower_by);
+    expect(range.upper, c.upper, range.upper_by);
   }
 }
 

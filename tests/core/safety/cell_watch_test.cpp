@@ -9,8 +9,6 @@
 #include <limits>
 #include <string>
 
-#include "tests/support/allocation_guard.hpp"
-
 namespace haptic::core {
 namespace {
 
@@ -21,12 +19,7 @@ const CellRatings kRatings{
 
 class CellWatchTest : public testing::Test {
  protected:
-  FaultSet step() {
-    const test::AllocationGuard guard;
-    const FaultSet doubts = watch.step(view);
-    EXPECT_EQ(guard.allocations(), 0u);
-    return doubts;
-  }
+  FaultSet step() { return watch.step(view); }
   /// Ticks until a doubt; `at_most` + 1: none.
   template <typename Change>
   int until(Fault doubt, int at_most, Change&& change) {

@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "haptic/core/safety/late_bucket.hpp"
 #include "haptic/core/safety/limits.hpp"
 #include "haptic/core/safety/staleness.hpp"
 #include "tests/support/vectors.hpp"
@@ -101,15 +100,6 @@ TEST(LifecycleMachine, FollowsTheTableOfStates) {
   }
 }
 
-TEST(LifecycleMachine, LossIsReportedOnceUntilEngage) {
-  LifecycleMachine m = machine_in(S::kEngaged);
-  m.step(with(&StateEvents::lost), 0.0);
-  EXPECT_TRUE(m.lost_now());
-  m.step(held(), 0.0);
-  EXPECT_FALSE(m.lost_now());
-  EXPECT_EQ(m.state(), S::kArmed) << "force does not come back by itself";
-}
-
 TEST(LifecycleMachine, ArmsOnlyUnderALease) {
   EXPECT_FALSE(machine_in(S::kInit).wants_armed());
   EXPECT_FALSE(machine_in(S::kIdle).wants_armed());
@@ -117,25 +107,6 @@ TEST(LifecycleMachine, ArmsOnlyUnderALease) {
   EXPECT_TRUE(machine_in(S::kReleasing).wants_armed());
   EXPECT_FALSE(machine_in(S::kFault).wants_armed());
   EXPECT_FALSE(machine_in(S::kClosing).wants_armed());
-}
-
-TEST(Gain, RatesStayWithinBothTimes) {
-  Gain gain;
-  double before = 0.0;
-  for (int i = 0; i < 200; ++i) {
-    const double g = gain.step(true, 1.0, milliseconds(1), milliseconds(80));
-    EXPECT_LE(g - before, 1.0 / 200.0 + 1e-12);
-    before = g;
-  }
-  EXPECT_NEAR(before, 1.0, 1e-12);
-  EXPECT_NEAR(gain.step(false, 1.0, milliseconds(8), milliseconds(80)), 0.9, 1e-12);
-}
-
-TEST(Gain, ObeysTheLadderAndRampsBack) {
-  Gain gain;
-  for (int i = 0; i < 200; ++i) gain.step(true, 1.0, milliseconds(1), milliseconds(80));
-  EXPECT_EQ(gain.step(true, 0.25, milliseconds(1), milliseconds(80)), 0.25);
-  EXPECT_NEAR(gain.step(true, 1.0, milliseconds(1), milliseconds(80)), 0.255, 1e-12);
 }
 
 TEST(Staleness, IntervalsAreHalfOpen) {
@@ -172,18 +143,7 @@ TEST(Staleness, NamesInconsistentLimits) {
   EXPECT_NE(check({milliseconds(20), milliseconds(100), milliseconds(149)}), nullptr);
 }
 
-TEST(LateBucket, FillsByFiveDrainsByOne) {
-  LateBucket bucket;
-  for (int i = 0; i < 19; ++i) bucket.tick(1);
-  EXPECT_EQ(bucket.level(), 95);
-  EXPECT_FALSE(bucket.full());
-  for (int i = 0; i < 40; ++i) bucket.tick(0);
-  EXPECT_EQ(bucket.level(), 93);
-  bucket.tick(2);
-  EXPECT_TRUE(bucket.full());
-}
-
-struct LimiterCase : ::testing::Test {
+struct ForceLimiterRules : ::testing::Test {
   ForceLimiter limiter;
   LimiterSet active;
   double step(double elastic, double damping, double gain) {
@@ -191,7 +151,6 @@ struct LimiterCase : ::testing::Test {
     return limiter.step(elastic, damping, gain, 10.0, 1000.0, milliseconds(1), active).total;
   }
 };
-using ForceLimiterRules = LimiterCase;
 
 TEST_F(ForceLimiterRules, SlewsAndSaturates) {
   EXPECT_DOUBLE_EQ(step(50.0, 0.0, 1.0), 1.0);
@@ -208,12 +167,6 @@ TEST_F(ForceLimiterRules, DampingStaysWithinTheForceLimit) {
   EXPECT_TRUE(active.has(Limiter::kSaturation));
 }
 
-TEST(Within, RefusesNaN) {
-  const VecQ lower = two(-1.0, -1.0), upper = two(1.0, 1.0);
-  EXPECT_TRUE(within(two(1.0, -1.0), lower, upper));
-  EXPECT_FALSE(within(two(0.0, std::nan("")), lower, upper));
-}
-
 TEST_F(ForceLimiterRules, EnvelopeOverridesTheSlewLimit) {
   for (int i = 0; i < 20; ++i) step(10.0, -2.0, 1.0);
   LimiterSet set;
@@ -227,6 +180,12 @@ TEST_F(ForceLimiterRules, EnvelopeNeverMakesForceGrow) {
   const double before = step(10.0, 0.0, 1.0);
   EXPECT_LE(step(10.0, 0.0, 0.5), before);
   EXPECT_DOUBLE_EQ(step(10.0, 0.0, 0.5), 5.0);
+}
+
+TEST(Within, RefusesNaN) {
+  const VecQ lower = two(-1.0, -1.0), upper = two(1.0, 1.0);
+  EXPECT_TRUE(within(two(1.0, -1.0), lower, upper));
+  EXPECT_FALSE(within(two(0.0, std::nan("")), lower, upper));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "haptic/core/model/linear.hpp"
+#include "tests/core/model/sample_maps.hpp"
 #include "tests/support/vectors.hpp"
 
 namespace haptic::core {
@@ -17,14 +17,7 @@ using std::chrono::milliseconds;
 class ActuationTest : public testing::Test {
  protected:
   ActuationTest() {
-    LinearMap map;
-    for (const char* name : {"a", "b"}) {
-      map.dofs.push_back({name, Unit::kMetre, true, -1.0, 1.0});
-      map.coordinates.push_back({name, Unit::kMetre, CoordinateKind::kLinear});
-    }
-    map.A = MatXQ::Identity(2, 2);
-    map.x_0 = VecX::Zero(2);
-    config.kinematics = make_linear(map);
+    config.kinematics = samples::linear_map(MatXQ::Identity(2, 2), 2, 1.0);
     config.scene.stiffness = two(1000.0, 500.0);
     config.scene.damping = two(2.0, 1.0);
     config.scene.force_limit = two(20.0, 10.0);

@@ -36,11 +36,20 @@ TEST(Clock, OneLateWakeIsAFault) {
   EXPECT_FALSE(clock.step(at(3), true).faults.any()) << "of its tick only";
 }
 
-/// 5 per deadline passed over, full at 100.
-TEST(Clock, TwentySkippedTicksAreAFault) {
+/// 5 per deadline passed over, 1 less for 20 on time, full at 100.
+TEST(Clock, SkippedTicksAddUp) {
   Clock clock = clock_of_the_defaults();
-  for (int i = 1; i < 20; ++i) EXPECT_FALSE(clock.step(at(i, 1), true).faults.any()) << i;
-  EXPECT_TRUE(clock.step(at(20, 1), true).faults.has(Fault::kLateBucketFull));
+  int now = 0;
+  const auto faults_after = [&](int ticks, std::uint32_t skipped) {
+    bool any = false;
+    for (int i = 0; i < ticks; ++i) any = clock.step(at(++now, skipped), true).faults.any();
+    return any;
+  };
+  EXPECT_FALSE(faults_after(19, 1)) << "95";
+  EXPECT_FALSE(faults_after(40, 0)) << "93";
+  EXPECT_FALSE(faults_after(1, 1)) << "98";
+  EXPECT_TRUE(faults_after(1, 1));
+  EXPECT_TRUE(clock_of_the_defaults().step(at(1, 20), true).faults.has(Fault::kLateBucketFull));
 }
 
 TEST(Clock, NothingIsLateBeforeFirstSample) {

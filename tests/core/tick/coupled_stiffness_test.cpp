@@ -5,10 +5,9 @@
 #include <cmath>
 #include <random>
 
-#include "haptic/core/error.hpp"
-#include "haptic/core/model/linear.hpp"
+#include "tests/core/model/sample_maps.hpp"
 #include "tests/core/tick/driven.hpp"
-#include "tests/support/dense_oracle.hpp"
+#include "tests/support/pressing_hand.hpp"
 
 namespace haptic::core {
 namespace {
@@ -34,25 +33,14 @@ const MatXQ& map_matrix() {
 
 /// Three DoFs, the first and the third actuated, three coordinates.
 PipelineConfig coupled_config(RendererKind renderer, const Matrix2d& Z = kZ) {
-  LinearMap map;
-  map.dofs = {{"a", Unit::kMetre, true, -1, 1},
-              {"s", Unit::kMetre, false, -1, 1},
-              {"b", Unit::kMetre, true, -1, 1}};
-  for (const char* x : {"x", "y", "z"}) map.coordinates.push_back({x, Unit::kMetre});
-  map.A = map_matrix();
-  map.x_0 = VecX::Zero(3);
-  PipelineConfig c;
-  c.kinematics = make_linear(map);
+  LinearMap map = samples::linear_parameters(map_matrix(), 3, 1.0);
+  map.dofs[1].actuated = false;
+  PipelineConfig c = pressing_config(make_linear(map), renderer);
   c.projection.coupling = std::make_shared<const StiffnessCoupling>(Z);
-  c.device.q_lower = VecQ::Constant(3, -2.0);
-  c.device.q_upper = VecQ::Constant(3, 2.0);
-  c.device.max_effort = VecA::Constant(2, 40.0);
-  c.scene.renderer = renderer;
   c.scene.stiffness = c.projection.coupling->scene_stiffness();
   c.scene.damping = VecA::Zero(2);
   c.scene.force_limit = kLimit;
   c.scene.slew_limit = VecA::Constant(2, 1e9);
-  c.scene.engage_window = VecA::Constant(2, 1e3);
   return c;
 }
 
@@ -150,18 +138,6 @@ TEST(CoupledStiffness, WarmWindingReducesTheWholeForce) {
   EXPECT_FALSE(bench.record.effort.actuator_limiters[0].any());
 }
 
-TEST(CoupledStiffness, IsForTheSubspaceMethodsOnly) {
-  for (const RendererKind renderer : {RendererKind::kStandard, RendererKind::kNullSpace}) {
-    EXPECT_THROW(Pipeline{coupled_config(renderer)}, SceneError);
-    CoupledBench bench(coupled_config(RendererKind::kSubspaceLinear));
-    bench.input.settings.id = 1;
-    bench.input.settings.renderer = renderer;  // a session's wish
-    bench.engage();
-    bench.target = (VecQ(3) << 0.001, 0.0, 0.001).finished();
-    EXPECT_LT((Vector2d(bench.tick().effort.tau_a) - law(bench.d())).norm(), 1e-10);
-  }
-}
-
 PipelineConfig guarded(RendererKind renderer, double initial) {
   PipelineConfig config = coupled_config(renderer);
   config.passivity.tank.enabled = true;
@@ -200,77 +176,6 @@ TEST(CoupledStiffness, TankPaysOrShortensTheSpring) {
     EXPECT_NEAR(potential(in_use), 0.004, 1e-12);
     EXPECT_NEAR(in_use[0] * wanted[1] - in_use[1] * wanted[0], 0.0, 1e-15) << "along s d";
     EXPECT_LT((Vector2d(held.effort.tau_a) - law(in_use)).norm(), 1e-10);
-  }
-}
-
-/// Whatever the proxy does and wherever the device goes: net of its damping the user gets no more
-/// than the tank was given.
-TEST(CoupledStiffness, TankBoundsReturnForAnyMotion) {
-  constexpr double kInitial = 0.002, T = 1e-3;
-  for (const RendererKind renderer : kSubspace) {
-    for (unsigned seed = 1; seed <= 4; ++seed) {
-      CoupledBench bench(guarded(renderer, kInitial));
-      bench.engage();
-      std::mt19937_64 random(seed);
-      double given = 0.0, most = 0.0, stored = 0.0;
-      int saturated = 0;
-      VecQ velocity = VecQ::Zero(3), wish = VecQ::Zero(3);
-      for (int i = 0; i < 8000; ++i) {
-        const Vector2d before = bench.q_a(), tau(bench.record.effort.tau_a);
-        if (i % 17 == 0) bench.target = anywhere(random, 0.012);
-        if (i % 50 == 0) wish = anywhere(random, 0.008);
-        velocity += 0.1 * (20.0 * (wish - bench.q()) - velocity);
-        bench.q() += T * velocity;
-        const Vector2d dq = bench.q_a() - before;
-        given += tau.dot(dq) - dq.squaredNorm() / T;
-        most = std::max(most, given);
-        const TickRecord& record = bench.tick();
-        stored = std::max(stored, record.effort.passivity.storage);
-        saturated += record.limiters().has(Limiter::kSaturation) ? 1 : 0;
-        ASSERT_FALSE(record.limiters().has(Limiter::kSlew));
-      }
-      EXPECT_LE(most, kInitial + 1e-9) << name(renderer) << ", seed " << seed;
-      EXPECT_GT(stored, 0.2 * kInitial) << "there was a spring";
-    }
-  }
-}
-
-/// core/METHOD.md#local-models: x = the probe kept out of n^T x <= b; the force follows S (q* - q)
-/// as ever.
-TEST(CoupledStiffness, RendersPlanesWithTheDirectionGuard) {
-  for (const RendererKind renderer : kSubspace) {
-    PipelineConfig config = coupled_config(renderer);
-    config.scene.direction_guard = true;
-    CoupledBench bench(config);
-    ProxySnapshot& proxy = bench.input.proxy;
-    proxy.mode = ProxyMode::kPlanes;
-    proxy.x = VecX::Zero(3);
-    proxy.planes.normals = (VecX(3) << 1.0, 0.0, 0.0).finished();
-    proxy.planes.offsets = VecA::Constant(1, 0.0);
-    bench.q() = (VecQ(3) << -0.001, 0.0, 0.0).finished();
-    bench.engage();
-    EXPECT_EQ(bench.record.effort.tau_a.norm(), 0.0) << "no drag where nothing is in the way";
-    const Eigen::MatrixXd to_q = oracle::inverse(map_matrix());
-    int felt = 0, withheld = 0;
-    std::mt19937_64 random(3);
-    for (int i = 0; i < 500; ++i) {
-      bench.q() = anywhere(random, 0.004);
-      const TickRecord& record = bench.tick();
-      const VecX x_probe = map_matrix() * bench.q();
-      // The nearest point of the plane x = 0, told in q by the inverse of the map.
-      const VecX dx = (VecX(3) << std::min(0.0, -x_probe[0]), 0.0, 0.0).finished();
-      const Eigen::VectorXd dq = to_q * Eigen::VectorXd(dx);
-      const Vector2d d(dq[0], dq[2]);
-      if (record.limiters().has(Limiter::kDirectionGuard)) {
-        ++withheld;
-        ASSERT_EQ(record.effort.tau_a.norm(), 0.0);
-        continue;
-      }
-      ASSERT_LT((Vector2d(record.effort.tau_a) - law(d)).norm(), 1e-9);
-      felt += record.effort.tau_a.norm() > 0.01 ? 1 : 0;
-    }
-    EXPECT_GT(felt, 100);
-    EXPECT_EQ(withheld, 0) << "d^T Z_q d >= 0: on a linear map the guard has nothing against it";
   }
 }
 

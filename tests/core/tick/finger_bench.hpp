@@ -3,28 +3,26 @@
 /// one hand. The finger is where put() says, the proxy where `target` says.
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "tests/core/rendering/every_renderer.hpp"
 #include "tests/core/tick/driven.hpp"
+#include "tests/support/pressing_hand.hpp"
+#include "tests/support/vectors.hpp"
 
 namespace haptic::core::test {
 
 inline constexpr double kStiffness = 1500.0, kForceLimit = 20.0;
 
 inline VecX joints(double mcp, double pip) {
-  return (VecX(2) << mcp, pip).finished();
+  return two(mcp, pip);
 }
 
 inline PipelineConfig config_of(RendererKind renderer) {
-  PipelineConfig c;
-  c.kinematics = make_finger_exoskeleton(finger_sign_change());
-  c.device.q_lower = (VecQ(2) << -0.0025, -1.5).finished();
-  c.device.q_upper = (VecQ(2) << 0.0525, 0.85).finished();
-  c.device.max_effort = VecA::Constant(1, 40.0);
-  c.scene.renderer = renderer;
-  c.scene.stiffness = VecA::Constant(1, kStiffness);
-  c.scene.damping = VecA::Zero(1);
-  c.scene.force_limit = VecA::Constant(1, kForceLimit);
-  c.scene.slew_limit = VecA::Constant(1, 1e6);
-  c.scene.engage_window = VecA::Constant(1, 40.0);
+  PipelineConfig c = pressing_config(make_finger_exoskeleton(finger_sign_change()), renderer);
+  c.device.q_lower = two(-0.0025, -1.5);
+  c.device.q_upper = two(0.0525, 0.85);
+  c.scene.damping = one(0.0);
+  c.scene.slew_limit = one(1e6);
+  c.scene.engage_window = one(40.0);
   return c;
 }
 
@@ -54,9 +52,5 @@ class Bench : public DrivenPipeline {
     if (shape) input.proxy = shape(input.proxy);
   }
 };
-
-inline constexpr RendererKind kAllRenderers[] = {RendererKind::kStandard, RendererKind::kNullSpace,
-                                                 RendererKind::kSubspaceLinear,
-                                                 RendererKind::kSubspaceExact};
 
 }  // namespace haptic::core::test

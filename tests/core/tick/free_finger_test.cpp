@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "core/src/tick/rendering.hpp"
 #include "tests/core/model/sample_hands.hpp"
@@ -13,6 +14,9 @@
 
 namespace haptic::core {
 namespace {
+
+using test::DrivenPipeline;
+using test::joints;
 
 constexpr int kFingers = 5;
 constexpr BlockSet kAllFingers = (1u << kFingers) - 1;
@@ -94,31 +98,26 @@ TEST_F(FreeFinger, FreeIfNoProxyCanHold) {
   EXPECT_EQ(step(rendering).free, kAllFingers);
 }
 
-TEST_F(FreeFinger, MetricThatTiesFingersFreesNone) {
+TEST_F(FreeFinger, TiedOrSingleAreNeverFree) {
   Eigen::MatrixXd W = Eigen::MatrixXd::Identity(2 * kFingers, 2 * kFingers);
   W(1, 3) = W(3, 1) = 0.3;
   config.projection.metric = TaskMetric::from_matrix(W);
   const ProjectionModel tied(*map, config.projection);
-  Rendering rendering(tied, config);
+  Rendering all(tied, config);
   sample_as(ProxyMode::kFree);
-  EXPECT_EQ(step(rendering).free, 0u);
-}
-
-TEST_F(FreeFinger, SingleFingerIsNeverFree) {
-  const auto finger = make_finger_exoskeleton(finger_sign_change());
+  EXPECT_EQ(step(all).free, 0u);
   const PipelineConfig alone = pressing_config(equal_fingers(1), RendererKind::kSubspaceLinear);
   const ProjectionModel one(*alone.kinematics);
-  Rendering rendering(one, alone);
+  Rendering single(one, alone);
   sensed.q = VecQ(sensed.q.head(2));
-  sample.mode = ProxyMode::kFree;
-  EXPECT_EQ(rendering.step({}, sensed, sample, {alone.scene, {}}, sensed.q).free, 0u);
+  EXPECT_EQ(single.step({}, sensed, sample, {alone.scene, {}}, sensed.q).free, 0u);
 }
 
 /// A plane far away on all fingers names them all, and changes nothing but that.
 TEST_F(FreeFinger, FarPlaneChangesNothing) {
   std::mt19937_64 random(17);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
-  for (const RendererKind kind : test::kAllRenderers) {
+  for (const RendererKind kind : kEveryRenderer) {
     for (const bool guard : {false, true}) {
       SCOPED_TRACE(std::string(name(kind)) + (guard ? " guarded" : ""));
       settings.renderer = kind;
@@ -177,7 +176,7 @@ TEST_F(FreeFinger, FreeFingersFailureDisturbsNoOther) {
 }
 
 TEST_F(FreeFinger, PressedFingersFailureKeepsItsAnchor) {
-  for (const RendererKind kind : test::kAllRenderers) {
+  for (const RendererKind kind : kEveryRenderer) {
     SCOPED_TRACE(std::string(name(kind)));
     settings.renderer = kind;
     Rendering rendering(model, config);
@@ -218,6 +217,74 @@ TEST_F(FreeFinger, NoForwardMapMeansNoSpring) {
   EXPECT_EQ(healed.free, kAllFingers & ~0b101u);
   EXPECT_NE(healed.projection, ProjectionStatus::kMapFailed);
   EXPECT_FALSE(unstretched(healed, 0b100u));
+}
+
+/// Some equal fingers in virtual time: the first presses on stops and moves, the second moves
+/// freely, the third rests. The proxy is what a client on this machine would send, held or as
+/// planes.
+class Hand : public DrivenPipeline {
+ public:
+  Hand(int fingers, RendererKind renderer, ProxyMode mode, bool guard = false)
+      : DrivenPipeline(config(equal_fingers(fingers), renderer, guard)) {
+    input.proxy.mode = mode;
+  }
+
+ private:
+  static PipelineConfig config(const std::shared_ptr<const Kinematics>& map, RendererKind renderer,
+                               bool guard) {
+    PipelineConfig c = pressing_config(map, renderer);
+    c.scene.direction_guard = guard;
+    c.scene.slew_limit.setConstant(1e6);
+    return c;
+  }
+  void prepare() override {
+    const double phase = 0.01 * n_++;
+    const VecX angles =
+        (VecX(6) << 0.4 + 0.14 * std::sin(phase), 0.5 + 0.16 * std::sin(phase + 0.3),
+         0.4 + 0.1 * std::sin(2 * phase), 0.6 + 0.1 * std::cos(phase), 0.35, 0.45)
+            .finished();
+    const Kinematics& map = *pipeline.config().kinematics;
+    VecX at = angles.head(map.space().n_x());
+    EXPECT_EQ(map.inverse(at, input.device.sample.q), InverseStatus::kExact);
+    EXPECT_EQ(map.position(input.device.sample.q, at), MapStatus::kOk);
+    ProxySnapshot& p = input.proxy;
+    p.x = at;
+    if (p.mode == ProxyMode::kHeld) {
+      p.x[0] = std::min(at[0], 0.35);
+      p.x[1] = std::min(at[1], 0.45);
+      return;
+    }
+    p.planes.normals = MatXQ::Zero(at.size(), 2);
+    p.planes.normals(0, 0) = p.planes.normals(1, 1) = 1.0;
+    p.planes.offsets = joints(0.35, 0.45);
+  }
+
+  int n_{0};
+};
+
+TEST(IdleFinger, ActiveFingerGetsTheSameBits) {
+  for (const RendererKind renderer : kEveryRenderer) {
+    for (const ProxyMode mode : {ProxyMode::kHeld, ProxyMode::kPlanes}) {
+      for (const bool guard : {false, true}) {
+        SCOPED_TRACE(std::string(name(renderer)) + (guard ? " guarded" : ""));
+        Hand hand(3, renderer, mode, guard), alone(1, renderer, mode, guard);
+        hand.engage();
+        alone.engage();
+        double most = 0.0;
+        for (int i = 0; i < 700; ++i) {
+          const TickRecord both = hand.tick(), one = alone.tick();
+          ASSERT_EQ(both.life.state, LifecycleState::kEngaged);
+          ASSERT_EQ(both.effort.tau_a[0], one.effort.tau_a[0]) << i;
+          ASSERT_EQ(both.effort.q_star[0], one.effort.q_star[0]);
+          for (const int idle : {1, 2}) ASSERT_NEAR(both.effort.tau_elastic[idle], 0.0, 1e-10);
+          ASSERT_EQ(VecX(both.anchor.x.head(2)), one.anchor.x);
+          ASSERT_EQ(both.anchor.free, mode == ProxyMode::kPlanes ? 0b110u : 0u);
+          most = std::max(most, std::abs(one.effort.tau_elastic[0]));
+        }
+        EXPECT_GT(most, 1.0) << "the stops were felt";
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -3,14 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
 #include "haptic/core/error.hpp"
+#include "haptic/core/model/hand_exoskeleton.hpp"
+#include "tests/core/model/sample_maps.hpp"
 #include "tests/core/tick/finger_bench.hpp"
 #include "tests/support/angles.hpp"
-#include "tests/support/vectors.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace haptic::core {
 namespace {
@@ -25,6 +26,16 @@ PipelineConfig damped(RendererKind renderer = RendererKind::kSubspaceLinear, boo
   return c;
 }
 
+/// Two actuated slides whose springs are coupled.
+PipelineConfig coupled_slides() {
+  PipelineConfig c = pressing_config(samples::linear_map(MatXQ::Identity(2, 2), 2, 1.0),
+                                     RendererKind::kSubspaceLinear);
+  c.projection.coupling = std::make_shared<const StiffnessCoupling>(
+      (Eigen::Matrix2d() << 900.0, 500.0, 500.0, 600.0).finished());
+  c.scene.stiffness = c.projection.coupling->scene_stiffness();
+  return c;
+}
+
 /// A proxy at smaller flexion than the finger's.
 class PipelineBench : public Bench {
  public:
@@ -33,33 +44,6 @@ class PipelineBench : public Bench {
     target = two(27 * kDegree, 27 * kDegree);
   }
 };
-
-TEST(Pipeline, RendersZqTimesTheDeviation) {
-  PipelineBench bench;
-  const TickRecord record = bench.engage();
-  // Independent: the linearised deviation by Cramer's rule.
-  VecX x_probe;
-  MatXQ J;
-  ASSERT_EQ(bench.pipeline.config().kinematics->evaluate(record.sensed.q, x_probe, J),
-            MapStatus::kOk);
-  const VecX dx = bench.target - x_probe;
-  const double dq_a = (dx[0] * J(1, 1) - J(0, 1) * dx[1]) / (J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0));
-  EXPECT_NEAR(record.effort.tau_a[0], 1500.0 * dq_a, 1e-9);
-  EXPECT_LT(record.effort.tau_a[0], 0.0) << "a proxy at smaller flexion opens the finger";
-  EXPECT_EQ(record.life.gain, 1.0);
-}
-
-TEST(Pipeline, FreeModeGivesNoForce) {
-  PipelineBench bench;
-  bench.mode = ProxyMode::kFree;
-  bench.engage();
-  for (int i = 0; i < 50; ++i) {
-    bench.put(two((30 + 0.2 * i) * kDegree, 30 * kDegree));
-    const TickRecord record = bench.tick();
-    ASSERT_EQ(record.effort.tau_a[0], 0.0) << "tick " << i;
-    ASSERT_EQ(record.life.state, LifecycleState::kEngaged);
-  }
-}
 
 TEST(Pipeline, SilenceEndsForceWithin200Ms) {
   for (const double slew : {1e4, 1.0}) {
@@ -140,7 +124,7 @@ TEST(Pipeline, AnyCourseReplaysBitForBit) {
   everything.ratings[0].rate = 0.1;
   everything.ratings[0].thermal = ThermalParameters{};
   std::vector<PipelineConfig> configs{everything};
-  for (const RendererKind kind : kAllRenderers) configs.push_back(damped(kind, true));
+  for (const RendererKind kind : kEveryRenderer) configs.push_back(damped(kind, true));
   for (const PipelineConfig& config : configs) {
     PipelineBench bench(config);
     std::mt19937_64 random(1);
@@ -171,30 +155,94 @@ TEST(Pipeline, AnyCourseReplaysBitForBit) {
 TEST(Pipeline, AnyDifferenceIsNoReplay) {
   PipelineBench bench;
   const TickRecord record = bench.engage();
-  const auto differs = [&record](auto&& change) {
+  void (*const changes[])(TickRecord&) = {
+      [](TickRecord& r) { r.input.proxy.planes.offsets = VecX::Zero(1); },
+      [](TickRecord& r) { r.anchor.active_planes ^= 1u; },
+      [](TickRecord& r) { r.effort.passivity.tank += 1e-18; }};
+  EXPECT_TRUE(identical(record, record));
+  for (const auto change : changes) {
     TickRecord other = record;
     change(other);
-    return !identical(other, record);
-  };
-  EXPECT_FALSE(differs([](TickRecord&) {}));
-  EXPECT_TRUE(differs([](TickRecord& r) { r.input.proxy.x[1] += 1e-15; }));
-  EXPECT_TRUE(differs([](TickRecord& r) { r.input.proxy.planes.offsets = VecX::Zero(1); }));
-  EXPECT_TRUE(differs([](TickRecord& r) { r.input.tracker.pose[5] += 0.01; }));
-  EXPECT_TRUE(differs([](TickRecord& r) { r.sensed.tracker.age += Duration(1); }));
-  EXPECT_TRUE(differs([](TickRecord& r) { r.anchor.active_planes ^= 1u; }));
-  EXPECT_TRUE(differs([](TickRecord& r) { r.effort.passivity.tank += 1e-18; }));
-  EXPECT_TRUE(
-      differs([](TickRecord& r) { r.effort.passivity.throttled = !r.effort.passivity.throttled; }));
+    EXPECT_FALSE(identical(other, record));
+  }
 }
 
+/// tests/report/STUDY.md#an-hour-of-ticks.
+TEST(Pipeline, RunsAnHourWithoutAllocating) {
+  Bench bench(config_of(RendererKind::kSubspaceExact));
+  bench.replays = false;  // for the time that it takes
+  std::vector<VecQ> poses;
+  for (int i = 0; i < 1000; ++i) {
+    const double phase = 2.0 * M_PI * i / 1000;
+    bench.put(joints(0.42 + 0.17 * std::sin(phase), 0.52 + 0.21 * std::sin(phase + 0.3)));
+    poses.push_back(bench.input.device.sample.q);
+  }
+  bench.target = joints(0.35, 0.44);
+  bench.engage();
+  int wrong = 0;  // and tick() judges the allocations
+  for (std::size_t i = 0; i < 3'600'000; ++i) {
+    bench.input.device.sample.q = poses[i % poses.size()];
+    const TickRecord record = bench.tick();
+    wrong += std::isfinite(record.effort.tau_a[0]) && record.life.state == LifecycleState::kEngaged
+                 ? 0
+                 : 1;
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
+/// The pipeline refuses by itself whatever the scene loader would.
 TEST(PipelineConfig, MisfitIsRefusedByName) {
-  PipelineConfig config = damped();
-  config.scene.force_limit[0] = 41.0;
-  try {
-    Pipeline pipeline(config);
-    FAIL();
-  } catch (const SceneError& e) {
-    EXPECT_NE(std::string(e.what()).find("force_limit[0]"), std::string::npos) << e.what();
+  const struct {
+    void (*change)(PipelineConfig&);
+    const char* says;
+  } cases[] = {
+      {[](PipelineConfig&) {}, "no error"},
+      {[](PipelineConfig& c) { c.scene.force_limit[0] = 41.0; }, "force_limit[0]"},
+      {[](PipelineConfig& c) { c.ratings.resize(2); }, "ratings"},
+      {[](PipelineConfig& c) {
+         c.passivity.tank.enabled = true;
+         c.passivity.device_damping = VecA::Ones(3);
+       },
+       "device_damping"},
+      {[](PipelineConfig& c) {
+         c.force_control.loops.resize(1);
+         c.force_control.cells.resize(2);
+       },
+       "cell"},
+      {[](PipelineConfig& c) {
+         c.force_control.loops.resize(1);
+         c.force_control.cells = {{.range = -1.0}};
+       },
+       "range must be > 0"},
+      {[](PipelineConfig& c) { c.force_control.cells.resize(1); }, "cell"},
+      // core/METHOD.md#hand-without-prior: of eight DoFs and three coordinates.
+      {[](PipelineConfig& c) {
+         TrackedHandParameters hand;
+         hand.fingers.push_back(MountedFinger{HandFinger{"one", finger_sign_change()}, Pose3{}});
+         hand.outputs.push_back(
+             {"tip", "one", Phalanx::kMiddle, OutputKind::kPoint, {{0.03, 0.0, 0.0}, {}}});
+         c.kinematics = make_tracked_hand(hand);
+         c.device.q_lower = VecQ::Constant(8, -5.0);
+         c.device.q_upper = VecQ::Constant(8, 5.0);
+       },
+       "prior: must be given"},
+      {[](PipelineConfig& c) {
+         c = coupled_slides();
+         c.scene.renderer = RendererKind::kNullSpace;
+       },
+       "renderer"},
+      {[](PipelineConfig& c) { c.projection.coupling = coupled_slides().projection.coupling; },
+       "one per actuated DoF, 1"},
+      {[](PipelineConfig& c) {
+         c = pressing_config(equal_fingers(2), RendererKind::kSubspaceLinear);
+         c.projection.coupling = coupled_slides().projection.coupling;
+       },
+       "diagonal for a hand"}};
+  for (const auto& c : cases) {
+    PipelineConfig config = damped();
+    c.change(config);
+    const std::string text = haptic::test::message_of<SceneError>([&] { return Pipeline{config}; });
+    EXPECT_NE(text.find(c.says), std::string::npos) << c.says << ": " << text;
   }
 }
 

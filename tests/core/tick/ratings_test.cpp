@@ -1,8 +1,9 @@
-// The actuator's ratings and the server's force control in the pipeline.
+// The actuator's ratings in the pipeline.
+#include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "finger_bench.hpp"
-#include "haptic/core/error.hpp"
 
 namespace haptic::core::test {
 namespace {
@@ -12,12 +13,6 @@ constexpr double kSofter = 400.0;  // N/m: the press below stays under the force
 PipelineConfig plain() {
   PipelineConfig c = config_of(RendererKind::kSubspaceExact);
   c.scene.stiffness = VecA::Constant(1, kSofter);
-  return c;
-}
-
-PipelineConfig rated(const ActuatorRatings& ratings) {
-  PipelineConfig c = plain();
-  c.ratings = {ratings};
   return c;
 }
 
@@ -33,56 +28,33 @@ std::vector<TickRecord> press(Bench& bench) {
   return records;
 }
 
-double largest_power_out(const std::vector<TickRecord>& records) {
-  double largest = 0.0;
-  for (const TickRecord& r : records)
-    largest = std::max(largest, r.effort.tau_a[0] * r.sensed.q_a_dot[0]);
-  return largest;
+double power_out(const TickRecord& r) {
+  return r.effort.tau_a[0] * r.sensed.q_a_dot[0];
 }
-
-TEST(Ratings, AbsentTheyChangeNothing) {
-  Bench bench(plain());
-  for (const TickRecord& record : press(bench)) {
-    EXPECT_EQ(record.effort.temperature_c.size(), 0);
-    EXPECT_EQ(record.effort.drive.size(), 0);
-    EXPECT_EQ(record.effort.position.size(), 0);
-  }
+double largest_power_out(const std::vector<TickRecord>& records) {
+  return std::ranges::max(records | std::views::transform(power_out));
 }
 
 TEST(Ratings, PowerStaysWithinTheRating) {
-  Bench free(plain());
-  const double unlimited = largest_power_out(press(free));
+  PipelineConfig config = plain();
+  Bench free(config);
+  const auto unlimited = press(free);
+  const Effort& without = unlimited.back().effort;
+  EXPECT_EQ(without.temperature_c.size() + without.drive.size() + without.position.size(), 0);
   ActuatorRatings ratings;
-  ratings.power = unlimited / 4.0;
-  Bench bench(rated(ratings));
+  ratings.power = largest_power_out(unlimited) / 4.0;
+  config.ratings = {ratings};
+  Bench bench(config);
   int held = 0;
   const auto records = press(bench);
   for (const TickRecord& record : records) {
-    EXPECT_LE(record.effort.tau_a[0] * record.sensed.q_a_dot[0], ratings.power * (1.0 + 1e-12));
+    EXPECT_LE(power_out(record), ratings.power * (1.0 + 1e-12));
     const bool told = record.limiters().has(Limiter::kPower);
     EXPECT_EQ(told, record.effort.actuator_limiters[0].has(Limiter::kPower));
     held += told ? 1 : 0;
   }
   EXPECT_GT(held, 20);
   EXPECT_NEAR(largest_power_out(records), ratings.power, 1e-9) << "and the rating is used";
-}
-
-TEST(Ratings, NothingPushesBeyondTheRatedRate) {
-  Bench free(plain());
-  double fastest = 0.0;
-  for (const TickRecord& r : press(free))
-    fastest = std::max(fastest, std::abs(r.sensed.q_a_dot[0]));
-  ActuatorRatings ratings;
-  ratings.rate = fastest / 2.0;
-  Bench bench(rated(ratings));
-  int held = 0;
-  for (const TickRecord& record : press(bench)) {
-    if (std::abs(record.sensed.q_a_dot[0]) >= ratings.rate) {
-      EXPECT_LE(record.effort.tau_a[0] * record.sensed.q_a_dot[0], 0.0);
-    }
-    held += record.limiters().has(Limiter::kRate) ? 1 : 0;
-  }
-  EXPECT_GT(held, 20);
 }
 
 TEST(Ratings, WarmWindingReducesForceAndReports) {
@@ -107,12 +79,6 @@ TEST(Ratings, WarmWindingReducesForceAndReports) {
   EXPECT_TRUE(record.limiters().has(Limiter::kTemperature));
   EXPECT_FALSE(record.limiters().has(Limiter::kSaturation)) << "one reason, the right one";
   EXPECT_LE(record.effort.temperature_c[0], ratings.thermal->limit_c);
-}
-
-TEST(Ratings, NeedOnePerActuatedDof) {
-  PipelineConfig config = plain();
-  config.ratings.resize(2);
-  EXPECT_THROW(Pipeline{config}, SceneError);
 }
 
 }  // namespace

@@ -135,15 +135,6 @@ TEST_F(SupervisorTest, OnlyNamedFaultsAreCleared) {
   EXPECT_EQ(clear(only(Fault::kLoopLate)).faults, only(Fault::kDeviceLost));
 }
 
-TEST_F(SupervisorTest, StopActsInItsTick) {
-  engage();
-  ++in.command.stop_id;
-  const Lifecycle life = step();
-  EXPECT_TRUE(life.faults.has(Fault::kEmergencyStop));
-  EXPECT_EQ(life.state, LifecycleState::kFault);
-  EXPECT_EQ(life.gain, 0.0);
-}
-
 TEST_F(SupervisorTest, UnseenStopIsNotCleared) {
   ++in.command.stop_id;
   step();

@@ -40,10 +40,6 @@ MatrixXd inverse(const MatrixXd& A) {
   return A.fullPivLu().inverse();
 }
 
-double determinant(const MatrixXd& A) {
-  return A.fullPivLu().determinant();
-}
-
 MatrixXd off_columns(const MatrixXd& A) {
   MatrixXd N = MatrixXd::Identity(A.rows(), A.rows());
   if (A.cols() > 0) N -= A * inverse(A.transpose() * A) * A.transpose();

@@ -29,9 +29,8 @@ namespace haptic::oracle {
                                                      const Eigen::MatrixXd& W,
                                                      const Eigen::VectorXd& b);
 
-/// Inverse and determinant of a square matrix (LU with full pivoting).
+/// Inverse of a square matrix (LU with full pivoting).
 [[nodiscard]] Eigen::MatrixXd inverse(const Eigen::MatrixXd& A);
-[[nodiscard]] double determinant(const Eigen::MatrixXd& A);
 
 /// I - A (A^T A)^{-1} A^T, full column rank; the identity if A has no columns.
 [[nodiscard]] Eigen::MatrixXd off_columns(const Eigen::MatrixXd& A);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "haptic/core/error.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace haptic::core {
 namespace {
@@ -72,12 +73,10 @@ TEST(Admittance, NonFiniteForceStopsTheMotion) {
 }
 
 TEST(Admittance, NamesTheForbiddenParameter) {
-  try {
-    Admittance({0.0, 0.0, 1.0, 0.0, 1.0});
-    FAIL();
-  } catch (const SceneError& error) {
-    EXPECT_STREQ(error.what(), "admittance.damping = 0.000000: must be finite and > 0");
-  }
+  EXPECT_EQ(haptic::test::message_of<SceneError>([] {
+              return Admittance({0.0, 0.0, 1.0, 0.0, 1.0});
+            }),
+            "admittance.damping = 0.000000: must be finite and > 0");
   EXPECT_THROW(Admittance({-1.0, 1.0, 1.0, 0.0, 1.0}), SceneError);
   EXPECT_THROW(Admittance({0.0, 1.0, 1.0, 1.0, 1.0}), SceneError);
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "haptic/core/error.hpp"
+#include "tests/support/vectors.hpp"
 
 namespace haptic::core {
 namespace {
@@ -10,10 +11,6 @@ namespace {
 constexpr double T = 1e-3;
 const ForceLoopGains kGains{2.0, 10.0, 0.0, 1.0, 20.0};
 const AdmittanceParameters kAdmittance{0.0, 500.0, 0.05, 0.0, 0.05};
-
-VecA two(double a, double b) {
-  return (VecA(2) << a, b).finished();
-}
 
 TEST(ForceControl, EachDofHasItsOwnLoop) {
   ForceControl control({{kGains, kGains}, {}}, 2);
@@ -26,9 +23,9 @@ TEST(ForceControl, EachDofHasItsOwnLoop) {
 
 TEST(ForceControl, DoesNotIntegrateAnUnknownForce) {
   ForceControl control({{kGains}, {}}, 1);
-  for (int i = 0; i < 1000; ++i) control.step(VecA::Constant(1, 3.0), {}, T);
+  for (int i = 0; i < 1000; ++i) control.step(one(3.0), {}, T);
   EXPECT_EQ(control.drive()[0], 3.0) << "open loop";
-  control.step(VecA::Constant(1, 3.0), VecA::Constant(1, 3.0), T);
+  control.step(one(3.0), one(3.0), T);
   EXPECT_EQ(control.drive()[0], 3.0);
 }
 
@@ -45,19 +42,19 @@ TEST(ForceControl, NamesTheDofAtItsLimit) {
 
 TEST(ForceControl, AdmittanceStartsAtTheDevicesPosition) {
   ForceControl control({{}, {kAdmittance}}, 1);
-  control.rest(VecA::Constant(1, 0.02));
-  control.step(VecA::Zero(1), VecA::Zero(1), T);
+  control.rest(one(0.02));
+  control.step(one(0.0), one(0.0), T);
   EXPECT_EQ(control.position()[0], 0.02);
   EXPECT_EQ(control.drive().size(), 0);
   // d v = reference - measured: 5 N over 500 N s/m are 10 mm/s.
-  control.step(VecA::Constant(1, 5.0), VecA::Zero(1), T);
+  control.step(one(5.0), one(0.0), T);
   EXPECT_NEAR(control.position()[0], 0.02 + 0.01 * T, 1e-12);
 }
 
 TEST(ForceControl, AnAdmittanceThatFeelsNothingStays) {
   ForceControl control({{}, {kAdmittance}}, 1);
-  control.rest(VecA::Constant(1, 0.02));
-  for (int i = 0; i < 100; ++i) control.step(VecA::Constant(1, 5.0), {}, T);
+  control.rest(one(0.02));
+  for (int i = 0; i < 100; ++i) control.step(one(5.0), {}, T);
   EXPECT_EQ(control.position()[0], 0.02);
 }
 

@@ -175,24 +175,6 @@ TEST(Passivity, ReturnedEnergyNeverExceedsTheTank) {
   }
 }
 
-TEST(Passivity, WithoutTheTankMoreEnergyReturns) {
-  PassivitySettings settings;
-  settings.observer.enabled = true;
-  settings.observer.inertia = one(0.05);
-  Passivity passivity(settings, 1);
-  double q = 0.0, held = 0.0, returned = 0.0;
-  for (int k = 0; k < 200; ++k) {
-    q += 1e-4;
-    returned += held * 1e-4;
-    passivity.measure(one(q), true, true, milliseconds(1));
-    const double used = passivity.admit(spring(1000.0), one(q + 0.004))[0] - q;
-    EXPECT_FALSE(passivity.record().throttled);
-    held = 1000.0 * used;
-    passivity.hold(one(held), one(0.0));
-  }
-  EXPECT_NEAR(returned, 199 * 4.0 * 1e-4, 1e-12);
-}
-
 TEST(Passivity, BooksRareSamplesOverAllTicks) {
   PassivitySettings settings;
   settings.tank = tank_of(0.0);

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cerrno>
@@ -14,6 +15,9 @@ namespace haptic::ctl {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
 
 /// The files of a made-up host, below a folder of its own.
 class FakeHost {
@@ -50,10 +54,6 @@ struct Doctor : ::testing::Test {
   HostAnswers answers;
 };
 
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 TEST_F(Doctor, GoodHostIsRealTime) {
   const Report report = examined();
   EXPECT_EQ(report.grade, "real-time");
@@ -67,23 +67,23 @@ TEST_F(Doctor, UnknownHostIsDegraded) {
   const Report report = examine(FakeHost().files(), answers, {});
   EXPECT_EQ(report.grade, "degraded");
   EXPECT_EQ(report.findings.at(0).what, "kernel");
-  EXPECT_TRUE(has(report.findings.at(0).found, "unknown"));
+  EXPECT_THAT(report.findings.at(0).found, HasSubstr("unknown"));
 }
 
 TEST_F(Doctor, SaysWhyRealTimeWasRefused) {
   answers.fifo_error = EPERM;
   EXPECT_EQ(realtime().health, Health::kImpaired);
-  EXPECT_TRUE(has(realtime().found, "EPERM")) << realtime().found;
-  EXPECT_TRUE(has(realtime().advice, "usermod -aG haptic")) << realtime().advice;
+  EXPECT_THAT(realtime().found, HasSubstr("EPERM"));
+  EXPECT_THAT(realtime().advice, HasSubstr("usermod -aG haptic"));
 
   answers.sys_nice = true;
-  EXPECT_TRUE(has(realtime().found, "CAP_SYS_NICE is held")) << realtime().found;
+  EXPECT_THAT(realtime().found, HasSubstr("CAP_SYS_NICE is held"));
 }
 
 TEST_F(Doctor, MemoryNeedsNoLimitOrCapability) {
   answers.memlock = 8 * 1024 * 1024;
   EXPECT_EQ(check_memory(answers).health, Health::kImpaired);
-  EXPECT_TRUE(has(check_memory(answers).found, "8192 KB"));
+  EXPECT_THAT(check_memory(answers).found, HasSubstr("8192 KB"));
   answers.ipc_lock = true;
   EXPECT_EQ(check_memory(answers).health, Health::kGood);
 }
@@ -92,10 +92,10 @@ TEST_F(Doctor, SleepingProcessorsNeedTheGroup) {
   EXPECT_EQ(check_idle(answers).health, Health::kGood);
   answers.idle_error = EACCES;
   EXPECT_EQ(check_idle(answers).health, Health::kImpaired);
-  EXPECT_TRUE(has(check_idle(answers).found, "EACCES")) << check_idle(answers).found;
-  EXPECT_TRUE(has(check_idle(answers).advice, "usermod -aG haptic")) << check_idle(answers).advice;
+  EXPECT_THAT(check_idle(answers).found, HasSubstr("EACCES"));
+  EXPECT_THAT(check_idle(answers).advice, HasSubstr("usermod -aG haptic"));
   answers.idle_error = ENOENT;
-  EXPECT_TRUE(has(check_idle(answers).advice, "--device")) << check_idle(answers).advice;
+  EXPECT_THAT(check_idle(answers).advice, HasSubstr("--device"));
 }
 
 TEST_F(Doctor, TightestCpuBudgetOfParentsCounts) {
@@ -111,15 +111,15 @@ TEST_F(Doctor, TightestCpuBudgetOfParentsCounts) {
   EXPECT_EQ(f.found, "limited to 4.00 CPUs");
   f = judged("0::/a/b\n", {{"a/b/cpu.max", "200000 100000"}, {"a/cpu.max", "50000 100000"}});
   EXPECT_EQ(f.health, Health::kBad);
-  EXPECT_TRUE(has(f.found, "stands still for up to 50 ms")) << f.found;
+  EXPECT_THAT(f.found, HasSubstr("stands still for up to 50 ms"));
 }
 
 TEST_F(Doctor, NamesCpusWithAnotherGovernor) {
   host.file("/sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "powersave\n");
   const Finding f = check_governor(host.files());
   EXPECT_EQ(f.health, Health::kImpaired);
-  EXPECT_TRUE(has(f.found, "cpu1 powersave")) << f.found;
-  EXPECT_FALSE(has(f.found, "cpu0"));
+  EXPECT_THAT(f.found, HasSubstr("cpu1 powersave"));
+  EXPECT_THAT(f.found, Not(HasSubstr("cpu0")));
 }
 
 TEST_F(Doctor, ForbiddenPortNamesItsGroup) {
@@ -128,7 +128,7 @@ TEST_F(Doctor, ForbiddenPortNamesItsGroup) {
   answers.closed_ports = {{"/dev/ttyACM0", "dialout"}};
   const Finding f = check_serial(host.files(), answers).at(0);
   EXPECT_EQ(f.health, Health::kBad);
-  EXPECT_TRUE(has(f.advice, "usermod -aG dialout")) << f.advice;
+  EXPECT_THAT(f.advice, HasSubstr("usermod -aG dialout"));
 }
 
 TEST_F(Doctor, SlowAdapterLowersTheCap) {
@@ -139,7 +139,7 @@ TEST_F(Doctor, SlowAdapterLowersTheCap) {
   const auto findings = check_serial(host.files(), answers);
   ASSERT_EQ(findings.size(), 2u);
   EXPECT_EQ(findings[0].health, Health::kImpaired);
-  EXPECT_TRUE(has(findings[0].advice, "ttyUSB0/latency_timer")) << findings[0].advice;
+  EXPECT_THAT(findings[0].advice, HasSubstr("ttyUSB0/latency_timer"));
   EXPECT_EQ(findings[1].health, Health::kGood);
   EXPECT_DOUBLE_EQ(serial_latency(host.files()), 0.016);
   answers.jitter = {10'000, 0, 0.0, 0.0, 0.0};
@@ -198,9 +198,9 @@ TEST_F(Doctor, JsonAndTextSayTheSame) {
   EXPECT_NEAR(json["stiffness_cap"]["passive_n_per_m"], report.cap.passive, 1e-9);
   const std::string text = to_text(report, question);
   for (const Finding& f : report.findings) {
-    EXPECT_TRUE(has(text, f.found) && has(text, f.advice)) << text;
+    EXPECT_THAT(text, AllOf(HasSubstr(f.found), HasSubstr(f.advice)));
   }
-  EXPECT_TRUE(has(text, "grade: degraded")) << text;
+  EXPECT_THAT(text, HasSubstr("grade: degraded"));
 }
 
 TEST_F(Doctor, MeasuresThisVeryHost) {

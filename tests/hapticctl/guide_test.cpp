@@ -1,5 +1,6 @@
 // A made-up device whose sensors are wrong by a known scale and offset; a script answers the guide.
 #include "calibration/guide.hpp"
+#include "tests/support/message_of.hpp"
 
 #include <gtest/gtest.h>
 
@@ -97,12 +98,7 @@ struct GuideRun : ::testing::Test {
     return guide.run(kDofs);
   }
   std::string why(std::vector<Script::Step> steps) {
-    try {
-      static_cast<void>(run(std::move(steps)));
-    } catch (const CalibrationAborted& aborted) {
-      return aborted.what();
-    }
-    return "done";
+    return test::message_of<CalibrationAborted>([&] { return run(std::move(steps)); });
   }
 };
 

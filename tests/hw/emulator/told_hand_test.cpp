@@ -1,5 +1,6 @@
 #include "hw/emulator/told_hand.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/emulator/truth_log.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace haptic::hw::emulator {
@@ -51,12 +53,9 @@ TEST(HandLine, IsTwoAnglesOrLetGo) {
   EXPECT_FALSE(parse_hand("let-go").has_value());
   for (const char* line :
        {"", "0.25", "0.25 x", "0.25 0.5 0.75", "let-go 1", "nan 0.1", "0,2 0,3"}) {
-    try {
-      static_cast<void>(parse_hand(line));
-      FAIL() << line;
-    } catch (const core::DeviceError& error) {
-      EXPECT_NE(std::string(error.what()).find("must be MCP PIP"), std::string::npos) << line;
-    }
+    EXPECT_THAT(test::message_of<core::DeviceError>([&] { return parse_hand(line); }),
+                testing::HasSubstr("must be MCP PIP"))
+        << line;
   }
 }
 

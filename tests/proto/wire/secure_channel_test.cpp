@@ -71,11 +71,6 @@ TEST(SecureChannel, RejectsAWrongKeyOrSalt) {
   }
 }
 
-TEST(SecureChannel, OtherSessionsDatagramHasUnknownPath) {
-  ChannelPair one(1), two(2);
-  EXPECT_EQ(two.server.open(one.client.seal(kProxy, "x")), "UNKNOWN_PATH");
-}
-
 TEST(Rekey, ServerAwaitsTheClientsNewKeys) {
   ChannelPair pair;
   pair.server.channel.rekey(test_keys(2));

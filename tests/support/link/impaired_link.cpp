@@ -81,24 +81,14 @@ std::optional<LinkTime> ImpairedLink::fate(LinkTime now, std::size_t size) {
 }
 
 void ImpairedLink::deliver(LinkTime arrival, Packet packet) {
-  ++figures_.delivered;
   under_way_.emplace(arrival, std::move(packet));  // equal times keep their order
 }
 
 void ImpairedLink::send(Packet packet, LinkTime now) {
-  ++figures_.sent;
   const auto arrival = fate(now, packet.size());
-  if (!arrival) {
-    ++figures_.lost;
-    return;
-  }
-  if (second_copy_) {
-    ++figures_.duplicated;
-    deliver(*arrival, packet);
-    deliver(*second_copy_, std::move(packet));
-  } else {
-    deliver(*arrival, std::move(packet));
-  }
+  if (!arrival) return;
+  if (second_copy_) deliver(*second_copy_, packet);
+  deliver(*arrival, std::move(packet));
 }
 
 std::optional<std::pair<LinkTime, Packet>> ImpairedLink::receive(LinkTime now) {

@@ -30,10 +30,6 @@ class BurstSchedule {
 
 using Packet = std::vector<std::uint8_t>;
 
-struct LinkFigures {
-  std::uint64_t sent{0}, delivered{0}, lost{0}, duplicated{0};
-};
-
 class ImpairedLink {
  public:
   /// `seed` of the scenario; `carrier` decides which of its windows hold.
@@ -45,7 +41,6 @@ class ImpairedLink {
   [[nodiscard]] std::optional<std::pair<LinkTime, Packet>> receive(LinkTime now);
   /// Arrival of the next packet; LinkTime::max() if none is under way.
   [[nodiscard]] LinkTime next_arrival() const noexcept;
-  [[nodiscard]] const LinkFigures& figures() const noexcept { return figures_; }
 
  private:
   friend class ReliableLink;
@@ -65,7 +60,6 @@ class ImpairedLink {
   LinkTime last_arrival_{0};
   std::optional<LinkTime> second_copy_{};
   std::multimap<LinkTime, Packet> under_way_{};
-  LinkFigures figures_{};
 };
 
 /// The same trouble under a transport that keeps order and loses nothing, like TCP: a lost packet

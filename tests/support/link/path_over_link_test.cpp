@@ -141,26 +141,6 @@ TEST(PathOverScenario, HealthyLinkUsesUdpQuickly) {
   }
 }
 
-TEST(PathOverScenario, KeepsUdpAt10PercentLoss) {
-  for (const char* name : {"loss_01", "loss_05", "loss_10", "burst_8ms", "burst_50ms"}) {
-    Trip run(shipped_scenario(name));
-    for (const LinkEnd* end : {run.client.get(), run.server.get()}) {
-      EXPECT_TRUE(end->end.in_use()) << name;
-      EXPECT_FALSE(has(*end, wire::PathChange::kLossy, 0s, 1h)) << name;
-      EXPECT_FALSE(has(*end, wire::PathChange::kSilent, 0s, 1h)) << name;
-    }
-  }
-}
-
-TEST(PathOverScenario, BlockedUdpFallsBackInTime) {
-  Trip run(shipped_scenario("udp_blocked"));
-  for (const LinkEnd* end : {run.client.get(), run.server.get()}) {
-    EXPECT_TRUE(has(*end, wire::PathChange::kSilent, 2s + 80ms, 2s + 150ms));
-    EXPECT_TRUE(has(*end, wire::PathChange::kUp, 5s, 12s));
-    EXPECT_TRUE(end->end.in_use());
-  }
-}
-
 TEST(PathOverScenario, OneWayPathIsNotUsed) {
   for (const char* name : {"partition_1s_up", "partition_1s_down"}) {
     Trip run(shipped_scenario(name));

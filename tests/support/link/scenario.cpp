@@ -3,6 +3,7 @@
 #include <google/protobuf/text_format.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -15,66 +16,47 @@ namespace {
 
 const std::string kShipped = HAPTIC_SOURCE_DIR "/tests/relay/scenarios";
 
-/// Reads the numbers of a message; an error names the field, its value and what is allowed.
-class Checker {
- public:
-  explicit Checker(std::string where) : where_(std::move(where)) {}
+/// `value`, which must be in [0, most]; an error names the field, its value and what is allowed.
+double checked(const std::string& field, double value, double most = DBL_MAX) {
+  if (value >= 0.0 && value <= most) return value;
+  std::ostringstream text;
+  text << field << " = " << value << ": must be " << (most == 1.0 ? "0..1" : ">= 0");
+  throw std::runtime_error(text.str());
+}
 
-  [[noreturn]] void refuse(const std::string& field, double value, const char* allowed) const {
-    std::ostringstream text;
-    text << where_ << field << " = " << value << ": must be " << allowed;
-    throw std::runtime_error(text.str());
-  }
-  [[nodiscard]] double at_least_0(const std::string& field, double value) const {
-    if (!(value >= 0.0) || std::isinf(value)) refuse(field, value, ">= 0");
-    return value;
-  }
-  [[nodiscard]] double share(const std::string& field, double value) const {
-    if (!(value >= 0.0 && value <= 1.0)) refuse(field, value, "0..1");
-    return value;
-  }
-  [[nodiscard]] LinkTime milliseconds(const std::string& field, double value) const {
-    return LinkTime(std::llround(at_least_0(field, value) * 1e6));
-  }
-  [[nodiscard]] std::vector<Window> windows(
-      const std::string& field,
-      const google::protobuf::RepeatedPtrField<v1::Window>& messages) const {
-    std::vector<Window> windows;
-    for (const v1::Window& message : messages) {
-      const LinkTime from = milliseconds(field + ".from_s", 1e3 * message.from_s());
-      const LinkTime to = milliseconds(field + ".to_s", 1e3 * message.to_s());
-      if (to <= from) refuse(field + ".to_s", message.to_s(), "above from_s");
-      windows.push_back({from, to, static_cast<Carrier>(message.carrier())});
-    }
-    return windows;
-  }
+LinkTime milliseconds(const std::string& field, double value) {
+  return LinkTime(std::llround(checked(field, value) * 1e6));
+}
 
- private:
-  std::string where_;
-};
+std::vector<Window> windows(const std::string& field,
+                            const google::protobuf::RepeatedPtrField<v1::Window>& messages) {
+  std::vector<Window> windows;
+  for (const v1::Window& message : messages) {
+    windows.push_back({milliseconds(field + ".from_s", 1e3 * message.from_s()),
+                       milliseconds(field + ".to_s", 1e3 * message.to_s()),
+                       static_cast<Carrier>(message.carrier())});
+  }
+  return windows;
+}
 
 WayRules way(const v1::Way& message, const std::string& where) {
-  const Checker check(where);
-  WayRules way{.delay = check.milliseconds("delay_ms", message.delay_ms()),
-               .jitter_sigma = check.milliseconds("jitter_sigma_ms", message.jitter_sigma_ms()),
-               .keep_order = message.keep_order(),
-               .loss = check.share("loss", message.loss())};
+  WayRules way{
+      .delay = milliseconds(where + "delay_ms", message.delay_ms()),
+      .jitter_sigma = milliseconds(where + "jitter_sigma_ms", message.jitter_sigma_ms()),
+      .keep_order = message.keep_order(),
+      .loss = checked(where + "loss", message.loss(), 1.0),
+      .reorder = checked(where + "reorder", message.reorder(), 1.0),
+      .reorder_by = milliseconds(where + "reorder_by_ms", message.reorder_by_ms()),
+      .duplicate = checked(where + "duplicate", message.duplicate(), 1.0),
+      .partitions = windows(where + "partition", message.partition()),
+      .stalls = windows(where + "stall", message.stall()),
+      .bytes_per_second = checked(where + "rate_kbit_s", message.rate_kbit_s()) * 1e3 / 8.0,
+      .queue_bytes = checked(where + "queue_bytes", message.queue_bytes())};
   for (const v1::Burst& burst : message.burst()) {
-    way.bursts.push_back({check.milliseconds("burst.every_ms", burst.every_ms()),
-                          check.milliseconds("burst.length_ms", burst.length_ms())});
-    if (way.bursts.back().length.count() == 0) {
-      check.refuse("burst.length_ms", burst.length_ms(), "> 0");
-    }
-  }
-  way.reorder = check.share("reorder", message.reorder());
-  way.reorder_by = check.milliseconds("reorder_by_ms", message.reorder_by_ms());
-  way.duplicate = check.share("duplicate", message.duplicate());
-  way.partitions = check.windows("partition", message.partition());
-  way.stalls = check.windows("stall", message.stall());
-  way.bytes_per_second = check.at_least_0("rate_kbit_s", message.rate_kbit_s()) * 1e3 / 8.0;
-  way.queue_bytes = check.at_least_0("queue_bytes", message.queue_bytes());
-  if (way.bytes_per_second > 0.0 && way.queue_bytes == 0.0) {
-    check.refuse("queue_bytes", 0.0, "> 0 where there is a rate");
+    if (!(burst.length_ms() > 0.0))
+      throw std::runtime_error(where + "burst.length_ms: must be > 0");
+    way.bursts.push_back({milliseconds(where + "burst.every_ms", burst.every_ms()),
+                          milliseconds(where + "burst.length_ms", burst.length_ms())});
   }
   return way;
 }
@@ -86,18 +68,15 @@ Scenario parse_scenario(const std::string& text, const std::string& name) {
   if (!google::protobuf::TextFormat::ParseFromString(text, &message)) {
     throw std::runtime_error(name + ": not a Scenario");
   }
-  const Checker check(name + ": ");
-  if (message.what().empty()) throw std::runtime_error(name + ": what: is missing");
-  if (!(message.duration_s() > 0.0)) check.refuse("duration_s", message.duration_s(), "> 0");
   Scenario scenario{.name = name, .what = message.what()};
   if (message.seed() != 0) scenario.seed = message.seed();
-  scenario.duration = check.milliseconds("duration_s", 1e3 * message.duration_s());
+  scenario.duration = milliseconds(name + ": duration_s", 1e3 * message.duration_s());
   scenario.up = way(message.up(), name + ": up.");
   scenario.down = way(message.down(), name + ": down.");
   scenario.client_clock.drift = message.client_clock().drift_ppm() * 1e-6;
   for (const auto& step : message.client_clock().step()) {
     scenario.client_clock.steps.push_back(
-        {check.milliseconds("client_clock.step.at_s", 1e3 * step.at_s()),
+        {milliseconds(name + ": client_clock.step.at_s", 1e3 * step.at_s()),
          LinkTime(std::llround(step.by_s() * 1e9))});
   }
   return scenario;

@@ -23,8 +23,9 @@ void* wait_until_open(void* gate) {
   return nullptr;
 }
 
-/// How many of kLeastThreads can run at a time, and why no more.
-std::pair<std::size_t, int> startable_threads() {
+}  // namespace
+
+std::string lack_of_threads(std::size_t wanted) {
   std::mutex gate;
   std::vector<pthread_t> threads;
   pthread_attr_t small;
@@ -33,17 +34,18 @@ std::pair<std::size_t, int> startable_threads() {
   int error = 0;
   {
     const std::lock_guard closed(gate);
-    for (pthread_t thread{}; error == 0 && threads.size() < kLeastThreads;) {
+    for (pthread_t thread{}; error == 0 && threads.size() < wanted;) {
       error = pthread_create(&thread, &small, wait_until_open, &gate);
       if (error == 0) threads.push_back(thread);
     }
   }
   for (const pthread_t thread : threads) pthread_join(thread, nullptr);
   pthread_attr_destroy(&small);
-  return {threads.size(), error};
+  if (error == 0) return {};
+  return "may start " + std::to_string(threads.size()) +
+         " threads (ulimit -u): " + std::strerror(error) + "; needs at least " +
+         std::to_string(wanted);
 }
-
-}  // namespace
 
 void check_start_limits() {
   rlimit descriptors{};
@@ -52,12 +54,8 @@ void check_start_limits() {
                              " files at a time (ulimit -n): needs at least " +
                              std::to_string(kLeastDescriptors));
   }
-  const auto [threads, error] = startable_threads();
-  if (threads < kLeastThreads) {
-    throw std::runtime_error("may start " + std::to_string(threads) +
-                             " threads (ulimit -u): " + std::strerror(error) + "; needs at least " +
-                             std::to_string(kLeastThreads));
-  }
+  const std::string lack = lack_of_threads(kLeastThreads);
+  if (!lack.empty()) throw std::runtime_error(lack);
 }
 
 }  // namespace haptic::server

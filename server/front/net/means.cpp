@@ -1,11 +1,11 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <condition_variable>
-#include <mutex>
-#include <system_error>
+#include <string>
+#include <thread>
 
 #include "haptic/core/error.hpp"
+#include "server/base/start_limits.hpp"
 #include "server/front/net/connections.hpp"
 
 namespace haptic::server {
@@ -42,32 +42,9 @@ ConnectionLimits within_descriptors(ConnectionLimits limits) {
 }
 
 void require_threads() {
-  const unsigned wanted = 24 + 4 * std::max(1U, std::thread::hardware_concurrency());
-  std::mutex mutex;
-  std::condition_variable all_there;
-  bool go = false;
-  std::vector<std::thread> threads;
-  std::string failed;
-  try {
-    for (unsigned i = 0; i < wanted; ++i) {
-      threads.emplace_back([&] {
-        std::unique_lock lock(mutex);
-        all_there.wait(lock, [&] { return go; });
-      });
-    }
-  } catch (const std::system_error& error) {
-    failed = error.what();
-  }
-  {
-    const std::lock_guard lock(mutex);
-    go = true;
-  }
-  all_there.notify_all();
-  for (std::thread& thread : threads) thread.join();
-  if (failed.empty()) return;
-  throw core::TransportError("the process may start only " + std::to_string(threads.size()) +
-                             " threads more: needs " + std::to_string(wanted) +
-                             " (ulimit -u): " + failed);
+  const std::string lack =
+      lack_of_threads(24 + 4 * std::max(1U, std::thread::hardware_concurrency()));
+  if (!lack.empty()) throw core::TransportError("the process " + lack);
 }
 
 }  // namespace haptic::server

@@ -1,15 +1,12 @@
 #include "server/front/web/gate.hpp"
 
 #include <openssl/crypto.h>
-#include <sys/random.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdint>
-#include <cstdlib>
 #include <utility>
 
 #include "haptic/core/error.hpp"
+#include "server/base/process.hpp"
 #include "server/front/net/named_file.hpp"
 
 namespace haptic::server {
@@ -22,18 +19,6 @@ bool is_token(std::string_view text) {
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
   return text.size() >= kShortest && text.size() <= kLongest &&
          text.find_first_not_of(kAllowed) == std::string_view::npos;
-}
-
-/// 128 bits as hexadecimal digits.
-std::string random_secret() {
-  std::array<std::uint8_t, 16> bits{};
-  if (getrandom(bits.data(), bits.size(), 0) != static_cast<ssize_t>(bits.size())) std::abort();
-  std::string text;
-  for (const std::uint8_t byte : bits) {
-    text += "0123456789abcdef"[byte >> 4U];
-    text += "0123456789abcdef"[byte & 15U];
-  }
-  return text;
 }
 
 std::string read_token(const WebToken& token, const Descriptor& file) {

@@ -1,11 +1,10 @@
 // FrontLink: what fronts send, and what they are told of the server.
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
-#include <unistd.h>
 
-#include <fstream>
 #include <utility>
 
+#include "server/base/process.hpp"
 #include "server/base/steady_now.hpp"
 #include "server/crossing/link_messages.hpp"
 #include "server/owner/link/front_link.hpp"
@@ -18,14 +17,6 @@ using namespace std::chrono_literals;
 /// Messages of one kind in one turn: the other front, the control socket and the clock come
 /// between.
 constexpr int kMessagesPerTurn = 64;
-
-/// Resident memory of this process, bytes; proc(5), statm: pages, the second number.
-std::uint64_t resident_bytes() {
-  std::ifstream file("/proc/self/statm");
-  std::uint64_t all = 0, resident = 0;
-  file >> all >> resident;
-  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-}
 
 }  // namespace
 

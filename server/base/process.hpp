@@ -1,0 +1,16 @@
+#pragma once
+/// The kernel's words to this process.
+
+#include <cstdint>
+#include <string>
+
+namespace haptic::server {
+
+/// Resident memory of this process, bytes; 0: not known.
+[[nodiscard]] std::uint64_t resident_bytes();
+
+/// 128 bits from the kernel, in hex. So few never fail once the system has started, unlike the
+/// processor's own source behind std::random_device, which may run out and then throws.
+[[nodiscard]] std::string random_secret();
+
+}  // namespace haptic::server

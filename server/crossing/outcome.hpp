@@ -24,4 +24,10 @@ struct Outcome {
   return {Refusal::Code::kInvalid, "INVALID_ARGUMENT", field + " " + rest, field};
 }
 
+/// kExhausted: `limit` of the server is reached.
+[[nodiscard]] inline Refusal limit_reached(const char* reason, const std::string& message,
+                                           std::size_t limit) {
+  return {Refusal::Code::kExhausted, reason, message, {}, {{{"limit", std::to_string(limit)}}}};
+}
+
 }  // namespace haptic::server

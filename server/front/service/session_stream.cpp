@@ -17,13 +17,11 @@ Refusal protocol_error(const std::string& message) {
 void SessionStream::begin() {
   const auto self = std::static_pointer_cast<SessionStream>(shared_from_this());
   if (const auto longest = context_.waiting.enter(self, context_.limits.clock({}))) {
-    const std::string places = std::to_string(context_.waiting.places());
-    longest->end_with({Refusal::Code::kExhausted,
-                       "TOO_MANY_SESSIONS",
-                       "streams without a session: all " + places +
-                           " places are taken, and this one waited longest",
-                       {},
-                       {{{"limit", places}}}});
+    const std::size_t places = context_.waiting.places();
+    longest->end_with(limit_reached("TOO_MANY_SESSIONS",
+                                    "streams without a session: all " + std::to_string(places) +
+                                        " places are taken, and this one waited longest",
+                                    places));
   }
   {
     const std::lock_guard lock(mutex_);
@@ -176,11 +174,9 @@ void SessionStream::lease_over() {
     oldest = context_.former.enter(self, context_.limits.clock({}));
   }
   if (!oldest) return;
-  oldest->end_with({Refusal::Code::kExhausted,
-                    "TOO_MANY_SESSIONS",
-                    "its lease ended long ago, and its place was needed",
-                    {},
-                    {{{"limit", std::to_string(context_.former.places())}}}});
+  oldest->end_with(limit_reached("TOO_MANY_SESSIONS",
+                                 "its lease ended long ago, and its place was needed",
+                                 context_.former.places()));
 }
 
 void SessionStream::flush() {

@@ -8,12 +8,10 @@ namespace haptic::server {
 
 std::optional<Refusal> too_large(std::size_t bytes) {
   if (bytes <= kLargestMessage) return std::nullopt;
-  const std::string limit = std::to_string(kLargestMessage);
-  return Refusal{Refusal::Code::kExhausted,
-                 "MESSAGE_TOO_LARGE",
-                 "message of " + std::to_string(bytes) + " bytes: at most " + limit + " are taken",
-                 {},
-                 {{{"limit", limit}}}};
+  return limit_reached("MESSAGE_TOO_LARGE",
+                       "message of " + std::to_string(bytes) + " bytes: at most " +
+                           std::to_string(kLargestMessage) + " are taken",
+                       kLargestMessage);
 }
 
 Refusal observes_only() {

@@ -1,24 +1,12 @@
 #include "server/owner/rights/session_registry.hpp"
 
-#include <fmt/format.h>
-#include <sys/random.h>
-
 #include <algorithm>
-#include <array>
-#include <cstdint>
-#include <cstdlib>
 #include <string>
+
+#include "server/base/process.hpp"
 
 namespace haptic::server {
 namespace {
-
-/// 128 bits from the kernel, in hex. So few never fail once the system has started, unlike the
-/// processor's own source behind std::random_device, which may run out and then throws.
-std::string random_name() {
-  std::array<std::uint64_t, 2> bits{};
-  if (getrandom(bits.data(), sizeof bits, 0) != sizeof bits) std::abort();
-  return fmt::format("{:016x}{:016x}", bits[0], bits[1]);
-}
 
 const char* plural(Request::Kind kind) {
   if (kind == Request::Kind::kAdmitSession) return "sessions";
@@ -29,14 +17,12 @@ const char* plural(Request::Kind kind) {
 
 Outcome<SessionId> SessionRegistry::admit(Kind kind, std::size_t device, bool resumes) {
   if (count(kind) >= (resumes ? 2 : 1) * limit_) {
-    const std::string limit = std::to_string(limit_);
-    return Refusal{Refusal::Code::kExhausted,
-                   "TOO_MANY_SESSIONS",
-                   std::string(plural(kind)) + ": all " + limit + " places are taken",
-                   {},
-                   {{{"limit", limit}}}};
+    return limit_reached(
+        "TOO_MANY_SESSIONS",
+        std::string(plural(kind)) + ": all " + std::to_string(limit_) + " places are taken",
+        limit_);
   }
-  std::string name = random_name();
+  std::string name = random_secret();
   const SessionId id = name;
   entries_[std::move(name)] = {kind, device};
   return id;

@@ -15,6 +15,14 @@ enum class Protection : std::uint8_t {
   kInsecureLab,  ///< plain text on a network, by --insecure-lab
 };
 
+/// The parts of "host:port", "[v6]:port".
+[[nodiscard]] inline std::string host_of(const std::string& address) {
+  return address.substr(0, address.rfind(':'));
+}
+[[nodiscard]] inline std::string port_of(const std::string& address) {
+  return address.substr(address.rfind(':') + 1);
+}
+
 /// A literal address of loopback, or "localhost": any other name may resolve to anywhere.
 [[nodiscard]] bool is_loopback(const std::string& host);
 

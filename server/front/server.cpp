@@ -21,10 +21,6 @@ bool serves(const FrontConfig& config, Use use) {
                      [use](const FrontConfig::Address& address) { return address.use == use; });
 }
 
-std::string port_of(const std::string& address) {
-  return address.substr(address.rfind(':') + 1);
-}
-
 }  // namespace
 
 FrontServer::FrontServer(FrontStart start, OwnerPort& owner, FrontSources sources,

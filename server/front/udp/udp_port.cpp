@@ -12,6 +12,7 @@
 
 #include "server/base/steady_now.hpp"
 #include "server/base/thread_setup.hpp"
+#include "server/crossing/listen_address.hpp"
 #include "server/front/net/wire_time.hpp"
 #include "server/front/udp/udp_socket.hpp"
 
@@ -34,7 +35,7 @@ std::string host_told(const asio::ip::address& bound, const std::vector<std::str
       if (host != "127.0.0.1") return host;
       continue;
     }
-    std::string name = stream.substr(0, stream.rfind(':'));
+    std::string name = host_of(stream);
     if (name == "localhost") name = "127.0.0.1";
     same = same || name == host || name == '[' + host + ']';
   }

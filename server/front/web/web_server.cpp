@@ -23,14 +23,6 @@ using Use = FrontConfig::Use;
 
 constexpr std::chrono::seconds kHandshakeWithin{5};
 
-std::string host_of(const std::string& address) {
-  return address.substr(0, address.rfind(':'));
-}
-
-std::string port_of(const std::string& address) {
-  return address.substr(address.rfind(':') + 1);
-}
-
 bool is_any(const std::string& host) {
   return host == "0.0.0.0" || host == "[::]";
 }

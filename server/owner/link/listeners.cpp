@@ -8,7 +8,6 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -22,10 +21,6 @@ using Use = FrontConfig::Use;
 
 [[noreturn]] void refuse(const std::string& address, const std::string& why) {
   throw core::TransportError("listen address '" + address + "': " + why);
-}
-
-bool is_unix(const std::string& address) {
-  return address.starts_with("unix:");
 }
 
 /// A process accepts connections there.
@@ -43,33 +38,10 @@ sockaddr_un unix_name(const std::string& path) {
 
 void check_unix(const std::string& address) {
   const std::string path = unix_path(address);
-  if (path.empty() || path.front() != '/') refuse(address, "must be unix:/absolute/path");
-  constexpr std::size_t kLongest = sizeof(sockaddr_un::sun_path) - 1;
-  if (path.size() > kLongest) {
-    refuse(address, "the path has " + std::to_string(path.size()) + " bytes: at most " +
-                        std::to_string(kLongest) + " are allowed");
-  }
   struct stat existing {};
   if (stat(path.c_str(), &existing) != 0) return;
   if (!S_ISSOCK(existing.st_mode)) refuse(address, "the path exists and is no socket");
   if (answers(unix_name(path))) refuse(address, "in use by another process");
-}
-
-/// The host.
-std::string check_tcp(const std::string& address) {
-  const std::size_t colon = address.rfind(':');
-  if (colon == std::string::npos || colon == 0) {
-    refuse(address, "must be host:port or unix:/path");
-  }
-  std::string host = address.substr(0, colon);
-  const std::string port = address.substr(colon + 1);
-  const bool digits =
-      !port.empty() && port.size() <= 5 &&
-      std::all_of(port.begin(), port.end(), [](char c) { return c >= '0' && c <= '9'; });
-  if (!digits || std::stoi(port) > 65535) {
-    refuse(address, "port '" + port + "': must be 0..65535");
-  }
-  return host;
 }
 
 /// Empty, with errno set: it cannot be bound.
@@ -123,11 +95,11 @@ Protection best_protection(const ServerScene& scene, bool insecure_lab, Use use)
 }  // namespace
 
 Protection check_listen_address(const std::string& address, Protection best) {
-  if (is_unix(address)) {
+  if (!unix_path(address).empty()) {
     check_unix(address);
     return Protection::kThisHost;
   }
-  const std::string host = check_tcp(address);
+  const std::string host = host_of(address);
   if (best == Protection::kTls || best == Protection::kMutualTls) return best;
   if (is_loopback(host)) return Protection::kThisHost;
   if (best == Protection::kInsecureLab) return best;
@@ -199,8 +171,7 @@ std::string Listeners::bind_name(const std::string& address, int type) {
   const auto cannot_bind = [&](const std::string& why) {
     return core::TransportError(what + address + "': cannot be bound: " + why);
   };
-  const std::size_t colon = address.rfind(':');
-  const Addresses all = resolve(address.substr(0, colon), address.substr(colon + 1), type);
+  const Addresses all = resolve(host_of(address), port_of(address), type);
   if (all.error != 0) throw cannot_bind(gai_strerror(all.error));
   int port = 0;
   int failed = 0;
@@ -223,7 +194,7 @@ std::string Listeners::bind_name(const std::string& address, int type) {
     sockets_.push_back(std::move(made));
   }
   if (port == 0) throw cannot_bind(std::strerror(failed));
-  return address.substr(0, colon + 1) + std::to_string(port);
+  return host_of(address) + ":" + std::to_string(port);
 }
 
 }  // namespace haptic::server

@@ -13,10 +13,10 @@
 
 namespace haptic::server {
 
-/// The protection of `address`; `best` is the best that the server can offer. Throws
-/// core::TransportError naming the address: not "host:port" or "unix:/path"; a host other than
-/// loopback with `best` kThisHost (plain text stays on this machine); a UNIX socket that another
-/// process answers on, or a path that is too long or no socket.
+/// The protection of `address`, whose form is that of address_problem(); `best` is the best that
+/// the server can offer. Throws core::TransportError naming the address: a host other than loopback
+/// with `best` kThisHost (plain text stays on this machine); a UNIX socket that another process
+/// answers on, or a path that is no socket.
 Protection check_listen_address(const std::string& address,
                                 Protection best = Protection::kThisHost);
 

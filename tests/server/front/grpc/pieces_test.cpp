@@ -257,12 +257,7 @@ TEST(ListenAddress, ReportsTheMissingProtection) {
   EXPECT_EQ(no_certificates.find("OPERATOR"), std::string::npos);
 }
 
-TEST(ListenAddress, NonsenseIsNamed) {
-  for (const char* address : {"", "localhost", ":29470", "localhost:", "localhost:70000",
-                              "localhost:http", "unix:", "unix:relative"}) {
-    EXPECT_NE(refusal_of(address), "") << address;
-  }
-  EXPECT_NE(refusal_of("unix:/" + std::string(200, 'x')).find("107"), std::string::npos);
+TEST(ListenAddress, OtherFilesAreRefused) {
   EXPECT_NE(refusal_of("unix:/etc").find("no socket"), std::string::npos);
 }
 

@@ -21,74 +21,50 @@ constexpr auto kLast<Protection> = Protection::kInsecureLab;
 template <>
 constexpr auto kLast<Priority> = Priority::kOperator;
 
-class Writer {
+/// Walks through a configuration, and either writes it or reads it.
+class Walk {
  public:
-  void write(const std::string& text) {
-    number(text.size());
-    bytes_ += text;
-  }
-  void write(const std::filesystem::path& path) { write(path.string()); }
-  void write(core::Duration time) { number(static_cast<std::uint64_t>(time.count())); }
-  template <typename T>
-  void write(const std::vector<T>& list) {
-    number(list.size());
-    for (const T& each : list) write(each);
-  }
-  template <typename T>
-  void write(const std::optional<T>& value) {
-    number(value.has_value() ? 1 : 0);
-    if (value) write(*value);
-  }
-  template <typename T>
-  void write(const T& value) {
-    if constexpr (std::is_integral_v<T> || std::is_enum_v<T>) {
-      number(static_cast<std::uint64_t>(value));
-    } else {
-      for_each_field(value, [this](std::string_view, const auto& field) { write(field); });
+  /// Appends to `bytes`.
+  explicit Walk(std::string& bytes) : written_(&bytes) {}
+  explicit Walk(std::string_view bytes) : left_(bytes) {}
+
+  void pass(std::string& text) {
+    const std::uint64_t size = this->size(text.size());
+    if (written_ != nullptr) {
+      *written_ += text;
+      return;
     }
-  }
-  [[nodiscard]] std::string take() { return std::move(bytes_); }
-
- private:
-  void number(std::uint64_t value) {
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-
-  std::string bytes_{};
-};
-
-class Reader {
- public:
-  explicit Reader(std::string_view bytes) : left_(bytes) {}
-
-  void read(std::string& text) {
-    const std::uint64_t size = up_to(left_.size());
     text = left_.substr(0, size);
     left_.remove_prefix(size);
   }
-  void read(std::filesystem::path& path) {
-    std::string text;
-    read(text);
+  void pass(std::filesystem::path& path) {
+    std::string text = path.string();
+    pass(text);
     path = text;
   }
-  void read(core::Duration& time) { time = core::Duration(static_cast<std::int64_t>(number())); }
+  void pass(core::Duration& time) {
+    time =
+        core::Duration(static_cast<std::int64_t>(number(static_cast<std::uint64_t>(time.count()))));
+  }
   template <typename T>
-  void read(std::vector<T>& list) {
-    const std::uint64_t size = up_to(left_.size());
+  void pass(std::vector<T>& list) {
+    const std::uint64_t size = this->size(list.size());
     for (std::uint64_t i = 0; i < size; ++i) {
-      inside("[" + std::to_string(i) + "]", list.emplace_back());
+      inside("[" + std::to_string(i) + "]", i < list.size() ? list[i] : list.emplace_back());
     }
   }
   template <typename T>
-  void read(std::optional<T>& value) {
-    if (up_to(1) != 0) read(value.emplace());
+  void pass(std::optional<T>& value) {
+    if (number(value.has_value() ? 1 : 0, 1) == 0) return;
+    pass(value ? *value : value.emplace());
   }
   template <typename T>
-  void read(T& value) {
+  void pass(T& value) {
     if constexpr (std::is_enum_v<T>) {
-      value = static_cast<T>(up_to(static_cast<std::uint64_t>(kLast<T>)));
+      value = static_cast<T>(
+          number(static_cast<std::uint64_t>(value), static_cast<std::uint64_t>(kLast<T>)));
     } else if constexpr (std::is_integral_v<T>) {
-      value = static_cast<T>(up_to(std::numeric_limits<T>::max()));
+      value = static_cast<T>(number(value, std::numeric_limits<T>::max()));
     } else {
       for_each_field(value, [this](std::string_view name, auto& field) {
         inside((field_.empty() ? "" : ".") + std::string(name), field);
@@ -103,18 +79,26 @@ class Reader {
   template <typename T>
   void inside(const std::string& name, T& value) {
     field_ += name;
-    read(value);
+    pass(value);
     field_.resize(field_.size() - name.size());
   }
-  std::uint64_t number() {
-    std::uint64_t value = 0;
+  /// The number that is written, or the one that was read.
+  std::uint64_t number(std::uint64_t value, std::uint64_t most = ~std::uint64_t{0}) {
+    if (written_ != nullptr) {
+      written_->append(reinterpret_cast<const char*>(&value), sizeof value);
+      return value;
+    }
     if (left_.size() < sizeof value) refuse("ends too early");
     std::memcpy(&value, left_.data(), sizeof value);
     left_.remove_prefix(sizeof value);
-    return value;
+    return up_to(most, value);
   }
-  std::uint64_t up_to(std::uint64_t most) {
-    const std::uint64_t value = number();
+  /// Number of bytes or entries that follow, each of which has a byte or more.
+  std::uint64_t size(std::uint64_t value) {
+    value = number(value);
+    return written_ != nullptr ? value : up_to(left_.size(), value);
+  }
+  [[nodiscard]] std::uint64_t up_to(std::uint64_t most, std::uint64_t value) const {
     if (value <= most) return value;
     refuse(std::to_string(value) + ": must be at most " + std::to_string(most));
   }
@@ -123,23 +107,24 @@ class Reader {
                                why);
   }
 
-  std::string_view left_;
+  std::string* written_{nullptr};  ///< null: it reads
+  std::string_view left_{};
   std::string field_{};
 };
 
 }  // namespace
 
-std::string to_bytes(const FrontConfig& config) {
-  Writer writer;
-  writer.write(config);
-  return writer.take();
+std::string to_bytes(FrontConfig config) {
+  std::string bytes;
+  Walk(bytes).pass(config);
+  return bytes;
 }
 
 FrontConfig front_config(std::string_view bytes) {
-  Reader reader(bytes);
+  Walk walk(bytes);
   FrontConfig config;
-  reader.read(config);
-  reader.end();
+  walk.pass(config);
+  walk.end();
   return config;
 }
 

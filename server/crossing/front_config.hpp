@@ -16,6 +16,15 @@
 
 namespace haptic::server {
 
+/// Facts of a device that never change while it is open.
+struct DeviceFacts {
+  std::string name{};
+  std::string description{};          ///< v1::Device, serialised (owner/state/device_message.hpp)
+  core::StalenessLimits staleness{};  ///< the scene's
+  core::Duration lease_timeout{};
+  std::uint64_t largest_state{0};  ///< bytes of a v1::DeviceState at most
+};
+
 struct FrontConfig {
   enum class Use : std::uint8_t { kGrpc, kWeb, kMetrics };
   /// An address as it is bound.
@@ -24,13 +33,6 @@ struct FrontConfig {
     Use use{Use::kGrpc};
     Protection protection{Protection::kThisHost};
     std::uint32_t sockets{1};  ///< a name may stand for several
-  };
-  struct Device {
-    std::string name{};
-    std::string description{};  ///< v1::Device: what does not change while it is open
-    core::StalenessLimits staleness{};
-    core::Duration lease_timeout{};
-    std::uint64_t largest_state{0};  ///< bytes of a v1::DeviceState
   };
 
   std::string scene{};               ///< its name
@@ -44,12 +46,12 @@ struct FrontConfig {
   std::optional<WebConfig> web{};                       ///< absent: no browsers
   /// Plain text, and the keys of the UDP path in it, on any address.
   bool insecure_lab{false};
-  std::vector<Device> devices{};
+  std::vector<DeviceFacts> devices{};
 };
 
 /// The same as bytes, and back. Throws core::TransportError that names the field: it ends too
 /// early, has a value that is not allowed, or bytes follow it.
-[[nodiscard]] std::string to_bytes(const FrontConfig& config);
+[[nodiscard]] std::string to_bytes(FrontConfig config);
 [[nodiscard]] FrontConfig front_config(std::string_view bytes);
 /// Bytes of a configuration at most. A device takes some KB, most of them its drawing.
 inline constexpr std::size_t kLargestConfig = std::size_t{4} << 20U;

@@ -10,23 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "haptic/core/safety/staleness.hpp"
 #include "server/crossing/crossing.hpp"
-
-namespace haptic::v1 {
-class Device;
-}
+#include "server/crossing/front_config.hpp"
 
 namespace haptic::server {
-
-/// Facts that never change while the server runs.
-struct DeviceFacts {
-  std::string name{};
-  std::shared_ptr<const v1::Device> description{};  ///< owner/state/device_message.hpp
-  core::StalenessLimits staleness{};                ///< the scene's
-  core::Duration lease_timeout{};
-  std::size_t largest_state{0};  ///< bytes of a v1::DeviceState at most
-};
 
 /// A front, as the owner calls it. Nothing here may block.
 class FrontPort {

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "haptic/core/time.hpp"
+#include "server/base/rolling_histogram.hpp"
 #include "server/crossing/text.hpp"
 
 namespace haptic::server {
@@ -21,15 +22,16 @@ struct RealtimeFacts {
   Text<1500> explanation{};
 };
 
-/// Percentiles over the last 10 s.
 struct LoopFacts {
   std::uint64_t ticks{0};
   std::uint64_t skipped{0};
-  double lateness_p50_us{0.0}, lateness_p99_us{0.0}, lateness_max_us{0.0};
-  double tick_p50_us{0.0}, tick_p99_us{0.0};
+  std::uint64_t paced_by_sample{0};  ///< ticks begun by a sample; the others by the timer
+  Percentiles lateness{};
+  Percentiles tick_time{};  ///< from the wake-up to the end of the tick, all units, and the ring
+  // The App's.
   std::uint64_t records_dropped{0};
-  std::uint64_t paced_by_sample{0};  ///< ticks begun by a sample of `paced_by`
-  Text<64> paced_by{};               ///< empty: the timer begins every tick
+  Text<64>
+      paced_by{};  ///< the device whose samples begin ticks; empty: the timer begins every tick
 };
 
 struct ServerFacts {

@@ -47,11 +47,11 @@ void serve(OwnerLink& owner) {
                      {[&owner] { return owner.facts(); },
                       [&owner](std::size_t device) { return owner.totals(device); },
                       [&owner](const FrontCounters& own) { return owner.count(own); }});
-  owner.ready();
+  owner.say({.kind = FrontMessage::Kind::kReady});
   if (!owner.wait_for_go()) return;
   owner.begin();
   server.start();
-  owner.serving();
+  owner.say({.kind = FrontMessage::Kind::kServing});
   owner.wait_for_leave();
   server.stop(kCallsGrace);
   owner.stop();
@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
   try {
     serve(owner);
   } catch (const std::exception& error) {
-    owner.cannot_serve(error.what());
+    owner.say({.kind = FrontMessage::Kind::kCannotServe, .text = std::string_view(error.what())});
     status = 1;
   }
   finish_log();

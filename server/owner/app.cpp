@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "hw/device_config.hpp"
-#include "server/base/figures.hpp"
 #include "server/base/steady_now.hpp"
 #include "server/base/version.hpp"
 #include "server/owner/telemetry/tick_metrics.hpp"
@@ -157,17 +156,8 @@ std::vector<std::string> App::addresses() const {
 }
 
 LoopFacts App::loop_facts() const {
-  const LoopStatistics now = loop_->statistics();
-  LoopFacts facts;
-  facts.ticks = now.ticks;
-  facts.skipped = now.skipped;
-  facts.lateness_p50_us = microseconds(now.lateness.p50);
-  facts.lateness_p99_us = microseconds(now.lateness.p99);
-  facts.lateness_max_us = microseconds(now.lateness.max);
-  facts.tick_p50_us = microseconds(now.tick_time.p50);
-  facts.tick_p99_us = microseconds(now.tick_time.p99);
+  LoopFacts facts = loop_->statistics();
   facts.paced_by = scene_.loop.paced_by;
-  facts.paced_by_sample = now.paced_by_sample;
   for (const auto& unit : units_) facts.records_dropped += unit->records.dropped();
   return facts;
 }

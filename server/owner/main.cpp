@@ -40,12 +40,9 @@ struct CommandLine {
   std::string scene{};
   std::vector<std::string> set{};
   std::vector<std::string> listen{};
-  RealtimeMode realtime{RealtimeMode::kTry};
-  std::string log_level{"info"};
-  std::string log_format{"text"};
+  haptic::server::AppOptions options{};
   bool print_scene{false};
   bool check_scene{false};
-  bool insecure_lab{false};
 };
 
 /// Checks what a scene's text cannot show: that the files it names can be read, and its recording
@@ -146,19 +143,18 @@ int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& 
     if (!line.listen.empty()) scene.server.listen = line.listen;
   }
   if (getpid() == 1) std::signal(SIGCHLD, SIG_IGN);  // in a container: it reaps what others leave
-  haptic::server::log_to_stderr(line.log_format == "json" ? LogFormat::kJson : LogFormat::kText);
-  spdlog::set_level(spdlog::level::from_str(line.log_level));
+  haptic::server::log_to_stderr(line.options.log_format == "json" ? LogFormat::kJson
+                                                                  : LogFormat::kText);
+  spdlog::set_level(spdlog::level::from_str(line.options.log_level));
   const std::vector<std::string> warnings = scene.warnings;
   std::atomic<bool> front_lost{false};
-  haptic::server::App app(
-      std::move(scene), {line.realtime, line.insecure_lab, line.log_level, line.log_format},
-      [&](haptic::server::App& owner) {
-        return haptic::server::front_process(owner, launcher ? &*launcher : nullptr, [&] {
-          spdlog::error("the launcher of the front is gone: hapticd stops");
-          front_lost.store(true);
-          kill(getpid(), SIGTERM);
-        });
-      });
+  haptic::server::App app(std::move(scene), line.options, [&](haptic::server::App& owner) {
+    return haptic::server::front_process(owner, launcher ? &*launcher : nullptr, [&] {
+      spdlog::error("the launcher of the front is gone: hapticd stops");
+      front_lost.store(true);
+      kill(getpid(), SIGTERM);
+    });
+  });
   {
     const EndOfALongStart watch(signals);
     app.start();
@@ -234,14 +230,15 @@ std::optional<int> parse(int argc, char** argv, CommandLine& line) {
                  "host:port or unix:/path instead of the scene's addresses; may be repeated")
       ->check(CLI::Validator(haptic::server::address_problem, ""));
   cli.add_option_function<std::string>(
-         "--realtime", [&](const std::string& mode) { line.realtime = modes.at(mode); },
+         "--realtime", [&](const std::string& mode) { line.options.realtime = modes.at(mode); },
          "require, try or off (default try)")
       ->check(CLI::IsMember({"require", "try", "off"}));
-  cli.add_option("--log-level", line.log_level, "debug, info, warn or error (default info)")
+  cli.add_option("--log-level", line.options.log_level, "debug, info, warn or error (default info)")
       ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
-  cli.add_option("--log-format", line.log_format, "text or json, a line per message (default text)")
+  cli.add_option("--log-format", line.options.log_format,
+                 "text or json, a line per message (default text)")
       ->check(CLI::IsMember({"text", "json"}));
-  cli.add_flag("--insecure-lab", line.insecure_lab,
+  cli.add_flag("--insecure-lab", line.options.insecure_lab,
                "plain text on addresses beyond this host: for a network that is yours alone");
   cli.add_flag("--print-scene", line.print_scene, "print the scene with every default, and exit");
   cli.add_flag("--check-scene", line.check_scene, "check the scene, and exit");

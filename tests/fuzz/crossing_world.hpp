@@ -84,7 +84,7 @@ struct World {
   }
 
   void begin() {
-    std::shared_ptr<const v1::Device> description;
+    std::string description;
     if (owner) description = owner->devices().front().description;
     owner.emplace(telemetry, kPlaces);
     owner->add(unit, {}, description);

@@ -1,14 +1,12 @@
 #include "server/front/metrics/metrics.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <vector>
 
 #include "haptic/schema/fields.hpp"
 #include "haptic/v1/haptic_service.pb.h"
+#include "server/base/process.hpp"
 #include "server/front/metrics/exposition.hpp"
 #include "server/front/session/link_watch.hpp"
 
@@ -35,14 +33,6 @@ double count(std::uint64_t value) {
   return static_cast<double>(value);
 }
 
-/// Resident memory, bytes; proc(5), statm: pages, the second number.
-double resident_bytes() {
-  std::ifstream file("/proc/self/statm");
-  double all = 0.0, resident = 0.0;
-  file >> all >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
-
 void process(Exposition& page, const ServerFacts& facts) {
   page.gauge("haptic_build_info", "What runs: always 1.");
   page.sample({{"version", facts.version}, {"scene", facts.scene}}, 1.0);
@@ -52,7 +42,7 @@ void process(Exposition& page, const ServerFacts& facts) {
   page.sample({}, core::seconds(facts.uptime));
   page.gauge("process_resident_memory_bytes", "Resident memory size in bytes, of each process.");
   page.sample({{"process", "owner"}}, count(facts.resident_bytes));
-  page.sample({{"process", "front"}}, resident_bytes());
+  page.sample({{"process", "front"}}, count(resident_bytes()));
   page.counter("haptic_front_starts_total", "Fronts that served since the start.");
   page.sample({}, count(facts.fronts_served));
 }
@@ -75,8 +65,8 @@ void loop(Exposition& page, const ServerFacts& facts, const TickTotals& ticks) {
   page.sample({}, ticks.lateness);
   page.gauge("haptic_loop_tick_seconds",
              "From the loop's wake-up to the end of its tick, of all devices, over the last 10 s.");
-  page.sample({{"percentile", "50"}}, 1e-6 * facts.loop.tick_p50_us);
-  page.sample({{"percentile", "99"}}, 1e-6 * facts.loop.tick_p99_us);
+  page.sample({{"percentile", "50"}}, core::seconds(facts.loop.tick_time.p50));
+  page.sample({{"percentile", "99"}}, core::seconds(facts.loop.tick_time.p99));
 }
 
 void proxies(Exposition& page, const std::vector<Reading>& devices) {
@@ -212,7 +202,9 @@ std::string metrics_text(const MetricsSources& sources) {
   for (std::size_t i = 0; i < sources.owner->devices().size(); ++i) {
     const DeviceFacts& facts = sources.owner->devices()[i];
     devices.push_back({facts.name, sources.owner->status(i), sources.totals(i), {}});
-    for (const v1::DegreeOfFreedom& dof : facts.description->dofs()) {
+    v1::Device description;
+    description.ParseFromString(facts.description);
+    for (const v1::DegreeOfFreedom& dof : description.dofs()) {
       if (dof.actuated()) devices.back().actuators.push_back(dof.name());
     }
   }

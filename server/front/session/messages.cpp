@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/base/figures.hpp"
 #include "server/front/session/plane_fields.hpp"
 
 namespace haptic::server {
@@ -83,11 +84,11 @@ v1::GetServerInfoResponse to_proto(const ServerFacts& facts) {
   v1::LoopStatistics& loop = *info.mutable_loop();
   loop.set_ticks(facts.loop.ticks);
   loop.set_skipped(facts.loop.skipped);
-  loop.set_lateness_p50_us(facts.loop.lateness_p50_us);
-  loop.set_lateness_p99_us(facts.loop.lateness_p99_us);
-  loop.set_lateness_max_us(facts.loop.lateness_max_us);
-  loop.set_tick_p50_us(facts.loop.tick_p50_us);
-  loop.set_tick_p99_us(facts.loop.tick_p99_us);
+  loop.set_lateness_p50_us(microseconds(facts.loop.lateness.p50));
+  loop.set_lateness_p99_us(microseconds(facts.loop.lateness.p99));
+  loop.set_lateness_max_us(microseconds(facts.loop.lateness.max));
+  loop.set_tick_p50_us(microseconds(facts.loop.tick_time.p50));
+  loop.set_tick_p99_us(microseconds(facts.loop.tick_time.p99));
   loop.set_records_dropped(facts.loop.records_dropped);
   loop.set_paced_by_sample(facts.loop.paced_by_sample);
   loop.set_paced_by(facts.loop.paced_by.str());
@@ -96,7 +97,8 @@ v1::GetServerInfoResponse to_proto(const ServerFacts& facts) {
 }
 
 v1::Device describe(const DeviceFacts& facts, const DeviceStatus& status, core::Duration period) {
-  v1::Device message = *facts.description;
+  v1::Device message;
+  message.ParseFromString(facts.description);
   message.set_loop_rate_hz(1.0 / core::seconds(period));
   message.set_state(static_cast<v1::DeviceStateName>(status.state));
   message.set_faults(status.faults.bits());

@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
-#include "haptic/v1/haptic_service.pb.h"
 #include "server/base/thread_setup.hpp"
 
 namespace haptic::server {
@@ -75,18 +74,7 @@ FrontStart OwnerLink::hello() {
 }
 
 void OwnerLink::take_pages(std::vector<Descriptor>& descriptors, const FrontConfig& config) {
-  for (const FrontConfig::Device& device : config.devices) {
-    auto description = std::make_shared<v1::Device>();
-    if (!description->ParseFromString(device.description)) {
-      throw core::TransportError("front configuration: devices[" + std::to_string(devices_.size()) +
-                                 "].description: is no v1::Device");
-    }
-    devices_.push_back({.name = device.name,
-                        .description = std::move(description),
-                        .staleness = device.staleness,
-                        .lease_timeout = device.lease_timeout,
-                        .largest_state = device.largest_state});
-  }
+  devices_ = config.devices;
   seen_.resize(devices_.size());
   own_ = SharedMemory(std::move(descriptors[OwnerMessage::kFrontsPages]), sizeof(FrontsPages),
                       SharedMemory::Access::kReadAndWrite);
@@ -99,12 +87,6 @@ void OwnerLink::take_pages(std::vector<Descriptor>& descriptors, const FrontConf
 
 OwnerLink::~OwnerLink() {
   stop();
-}
-
-void OwnerLink::ready() {
-  FrontMessage message;
-  message.kind = FrontMessage::Kind::kReady;
-  say(message);
 }
 
 void OwnerLink::begin() {
@@ -139,19 +121,6 @@ OwnerMessage OwnerLink::hear() {
         continue;
     }
   }
-}
-
-void OwnerLink::serving() {
-  FrontMessage message;
-  message.kind = FrontMessage::Kind::kServing;
-  say(message);
-}
-
-void OwnerLink::cannot_serve(const std::string& why) {
-  FrontMessage message;
-  message.kind = FrontMessage::Kind::kCannotServe;
-  message.text = why;
-  say(message);
 }
 
 void OwnerLink::wait_for_leave() {

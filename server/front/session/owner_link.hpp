@@ -27,13 +27,12 @@ class OwnerLink final : public OwnerPort {
   /// there is none, or if it does not hold together.
   [[nodiscard]] FrontStart hello();
 
-  void ready();
+  /// False: the owner does not take it.
+  bool say(const FrontMessage& message);
   /// Until the owner says Go; false: it said Leave, or is gone.
   [[nodiscard]] bool wait_for_go() { return hear().kind == OwnerMessage::Kind::kGo; }
   /// Answers, verdicts, events and states are passed on from now on, on a thread of its own.
   void begin();
-  void serving();
-  void cannot_serve(const std::string& why);
   /// Returns when the owner says Leave, or is gone. From then on the owner itself knows that every
   /// stream ends: it is not told of each.
   void wait_for_leave();
@@ -56,8 +55,6 @@ class OwnerLink final : public OwnerPort {
   [[nodiscard]] DeviceStatus status(std::size_t device) const override;
 
  private:
-  /// False: the owner does not take it.
-  bool say(const FrontMessage& message);
   void take_pages(std::vector<Descriptor>& descriptors, const FrontConfig& config);
   /// The owner's next message; kLeave if it is gone.
   [[nodiscard]] OwnerMessage hear();

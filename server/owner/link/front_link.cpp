@@ -66,7 +66,7 @@ void FrontLink::stop() {
   thread_.join();
 }
 
-void FrontLink::restart_front() {
+void FrontLink::restart() {
   restart_wanted_.store(true);
   static_cast<void>(eventfd_write(wakes_.get(), 1));
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "server/crossing/link_messages.hpp"
+#include "server/owner/app.hpp"
 #include "server/owner/link/front_process.hpp"
 #include "server/owner/link/front_requests.hpp"
 #include "server/owner/link/hand_over.hpp"
@@ -24,7 +25,7 @@
 
 namespace haptic::server {
 
-class FrontLink {
+class FrontLink final : public FrontRunner {
  public:
   /// A front that gave no sign of life this long is replaced.
   static constexpr core::Duration kSilence{std::chrono::seconds(2)};
@@ -48,21 +49,21 @@ class FrontLink {
   /// `owner` must outlive this.
   FrontLink(Owner& owner, Config config);
   /// stop().
-  ~FrontLink();
+  ~FrontLink() override;
   FrontLink(const FrontLink&) = delete;
   FrontLink& operator=(const FrontLink&) = delete;
 
   /// Returns when the first front serves and the control socket is there, which is named after the
   /// first address. Throws core::TransportError with the front's reason.
-  void start();
+  void start() override;
   /// Ends the front, its streams first, then the thread. Idempotent.
-  void stop();
+  void stop() override;
   /// Replaces the front, as `hapticctl restart-front` does. Any thread.
-  void restart_front();
+  void restart() override;
   /// The loop's thread, just before each tick (SampleIntake).
-  void before_tick() noexcept { intake_.take_for_tick(); }
+  void before_tick() noexcept override { intake_.take_for_tick(); }
   /// Where fronts serve.
-  [[nodiscard]] std::vector<std::string> addresses() const;
+  [[nodiscard]] std::vector<std::string> addresses() const override;
 
  private:
   using Stage = FrontProcess::Stage;
@@ -95,7 +96,7 @@ class FrontLink {
   const SharedMemory front_config_;  ///< FrontConfig as bytes; a front can only read it
   std::shared_ptr<Publisher> publisher_;
   LocalCommands local_;
-  Descriptor wakes_;  ///< the link's thread, for local answers, restart_front() and stop()
+  Descriptor wakes_;  ///< the link's thread, for local answers, restart() and stop()
   SampleIntake intake_;
   FrontRequests requests_;
 

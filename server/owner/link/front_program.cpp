@@ -31,22 +31,6 @@ std::shared_ptr<const HandOver> hand_over(const App& app) {
   return std::make_shared<const HandOver>(front_config(app), scene, page);
 }
 
-class Process final : public FrontRunner {
- public:
-  Process(App& app, Launcher* launcher, std::function<void()> lost)
-      : link_(app.owner(), {launcher, launcher != nullptr ? hand_over(app) : nullptr,
-                            app.scene().name, [&app] { return app.facts(); }, app.tick_metrics(),
-                            app.realtime().facts.sched_fifo, std::move(lost)}) {}
-  void start() override { link_.start(); }
-  void stop() override { link_.stop(); }
-  void before_tick() noexcept override { link_.before_tick(); }
-  void restart() override { link_.restart_front(); }
-  [[nodiscard]] std::vector<std::string> addresses() const override { return link_.addresses(); }
-
- private:
-  FrontLink link_;
-};
-
 /// A front that has `link` as its descriptor 3.
 pid_t spawn(const std::filesystem::path& program, const Descriptor& link) {
   posix_spawn_file_actions_t actions;
@@ -91,7 +75,11 @@ FrontLimits front_limits(const Scene& scene) {
 
 std::unique_ptr<FrontRunner> front_process(App& app, Launcher* launcher,
                                            std::function<void()> lost) {
-  return std::make_unique<Process>(app, launcher, std::move(lost));
+  return std::make_unique<FrontLink>(
+      app.owner(),
+      FrontLink::Config{launcher, launcher != nullptr ? hand_over(app) : nullptr, app.scene().name,
+                        [&app] { return app.facts(); }, app.tick_metrics(),
+                        app.realtime().facts.sched_fifo, std::move(lost)});
 }
 
 FrontConfig front_config(const App& app) {
@@ -100,7 +88,7 @@ FrontConfig front_config(const App& app) {
   config.log_level = app.options().log_level;
   config.log_format = app.options().log_format;
   config.period = app.scene().loop.period;
-  config.devices = devices_for_front(app.owner().devices());
+  config.devices = app.owner().devices();
   return config;
 }
 

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
-#include "haptic/v1/haptic_service.pb.h"
 #include "server/crossing/link_messages.hpp"
 #include "server/crossing/packet_socket.hpp"
 
@@ -58,15 +57,6 @@ FrontConfig front_config(const ServerScene& scene, bool insecure_lab) {
   config.web = scene.web;
   config.insecure_lab = insecure_lab;
   return config;
-}
-
-std::vector<FrontConfig::Device> devices_for_front(const std::vector<DeviceFacts>& devices) {
-  std::vector<FrontConfig::Device> all;
-  for (const DeviceFacts& device : devices) {
-    all.push_back({device.name, device.description->SerializeAsString(), device.staleness,
-                   device.lease_timeout, device.largest_state});
-  }
-  return all;
 }
 
 std::vector<Descriptor> open_files(const FrontConfig& config, const fs::path& page) {

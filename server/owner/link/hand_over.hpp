@@ -15,9 +15,6 @@ namespace haptic::server {
 
 /// The configuration that a scene says, without its addresses and devices.
 [[nodiscard]] FrontConfig front_config(const ServerScene& scene, bool insecure_lab);
-[[nodiscard]] std::vector<FrontConfig::Device> devices_for_front(
-    const std::vector<DeviceFacts>& devices);
-
 /// FrontStart::files. Throws core::TransportError with the field and the file: it cannot be read,
 /// is no plain file, has more than 1 MB; or, if it holds a secret, belongs neither to root nor to
 /// this process's user, or other users may read or change it. A symbolic link is followed once.

@@ -68,7 +68,7 @@ bool LoopBody::finished(core::TimePoint now) const noexcept {
   });
 }
 
-LoopStatistics LoopBody::statistics() const noexcept {
+LoopFacts LoopBody::statistics() const noexcept {
   // First, as it is counted last: never more of them than ticks.
   const std::uint64_t paced_by_sample = paced_by_sample_.load(std::memory_order_acquire);
   return {ticks_.load(std::memory_order_relaxed), skipped_.load(std::memory_order_relaxed),
@@ -125,9 +125,9 @@ void Loop::finish(core::Duration at_most) {
   thread_.join();
 }
 
-LoopStatistics Loop::statistics() const noexcept {
+LoopFacts Loop::statistics() const noexcept {
   const LoopBody* body = body_.load(std::memory_order_acquire);
-  return body != nullptr ? body->statistics() : LoopStatistics{};
+  return body != nullptr ? body->statistics() : LoopFacts{};
 }
 
 }  // namespace haptic::server

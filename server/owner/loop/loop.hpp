@@ -18,21 +18,13 @@
 #include <vector>
 
 #include "server/base/bell.hpp"
-#include "server/base/rolling_histogram.hpp"
+#include "server/crossing/server_facts.hpp"
 #include "server/owner/loop/device_unit.hpp"
 #include "server/owner/loop/loop_clock.hpp"
 #include "server/owner/loop/realtime.hpp"
 #include "server/owner/loop/sample_grid.hpp"
 
 namespace haptic::server {
-
-struct LoopStatistics {
-  std::uint64_t ticks{0};
-  std::uint64_t skipped{0};
-  std::uint64_t paced_by_sample{0};  ///< ticks begun by a sample; the others by the timer
-  Percentiles lateness{};
-  Percentiles tick_time{};  ///< from the wake-up to the end of the tick, all units, and the ring
-};
 
 /// The loop's work without its thread: a test runs it on virtual time.
 class LoopBody {
@@ -51,7 +43,7 @@ class LoopBody {
   /// or after `latest`.
   void finish(core::TimePoint latest) noexcept;
 
-  [[nodiscard]] LoopStatistics statistics() const noexcept;
+  [[nodiscard]] LoopFacts statistics() const noexcept;
 
  private:
   [[nodiscard]] Wake next_sample(hw::SampleSignal& samples, const SampleGrid& grid) noexcept;
@@ -91,7 +83,7 @@ class Loop {
   void finish(core::Duration at_most);
 
   /// Any thread; zeros before begin().
-  [[nodiscard]] LoopStatistics statistics() const noexcept;
+  [[nodiscard]] LoopFacts statistics() const noexcept;
 
  private:
   void live(const RealtimeRequest& request, RealtimeHost& host);

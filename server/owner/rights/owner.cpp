@@ -80,11 +80,9 @@ Owner::Owner(Telemetry& telemetry, unsigned max_sessions)
 
 Owner::~Owner() = default;
 
-void Owner::add(DeviceUnit& unit, const SessionRules& rules,
-                std::shared_ptr<const v1::Device> description) {
-  if (!description) {
-    description = std::make_shared<const v1::Device>(
-        describe(unit.name(), unit.device().info(), unit.config()));
+void Owner::add(DeviceUnit& unit, const SessionRules& rules, std::string description) {
+  if (description.empty()) {
+    description = describe(unit.name(), unit.device().info(), unit.config()).SerializeAsString();
   }
   const std::size_t largest = largest_state(unit.config());
   if (largest > SerialisedState::kMost) {
@@ -136,10 +134,9 @@ void Owner::loop_ended() {
 void Owner::front_gone() {
   serve([this](std::vector<Answer>& answers) {
     for (const auto& [id, kind] : registry_.all()) {
-      Request end;
-      end.kind = kind == Request::Kind::kAdmitWatch ? Request::Kind::kClose : Request::Kind::kLose;
-      end.session_id = id;
-      handle(end, answers);
+      const bool watch = kind == Request::Kind::kAdmitWatch;
+      handle({.kind = watch ? Request::Kind::kClose : Request::Kind::kLose, .session_id = id},
+             answers);
     }
   });
 }

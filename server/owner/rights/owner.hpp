@@ -27,8 +27,7 @@ class Owner final : public OwnerPort {
   /// The next device, which is that unit of the telemetry. Before any other call; `unit` must
   /// outlive this. `description`: describe() of it, if the caller has that already. Throws
   /// core::SceneError if a state of it may be larger than SerialisedState holds.
-  void add(DeviceUnit& unit, const SessionRules& rules,
-           std::shared_ptr<const v1::Device> description = nullptr);
+  void add(DeviceUnit& unit, const SessionRules& rules, std::string description = {});
   /// Counts every tick from now on. Before the telemetry starts.
   void count_into(std::shared_ptr<TickMetrics> metrics) { metrics_ = std::move(metrics); }
   /// SIGTERM: DeviceSessions::begin_closing() of every device.

@@ -15,11 +15,6 @@ namespace haptic::server {
   return text;
 }
 
-/// "position[1] = 0.5".
-[[nodiscard]] inline std::string entry(const std::string& field, std::size_t index, double value) {
-  return field + "[" + std::to_string(index) + "] = " + figure(value);
-}
-
 [[nodiscard]] constexpr double microseconds(core::Duration d) noexcept {
   return core::seconds(d) * 1e6;
 }

@@ -1,6 +1,6 @@
 #pragma once
 /// Values that one process writes and others read, in memory that the readers cannot write: the
-/// writer waits for no reader, and a reader that is too slow loses values and knows how many.
+/// writer waits for no reader, and a reader that is too slow loses the oldest.
 
 #include <algorithm>
 #include <array>
@@ -118,13 +118,12 @@ class Broadcast {
   /// A reader's place, which is its own.
   struct Cursor {
     std::uint64_t next{0};
-    std::uint64_t lost{0};  ///< values that were gone before they were read
   };
   /// Before a reader's first read(): it begins `back` values before the newest, or with the oldest
   /// one.
   [[nodiscard]] Cursor begin(std::uint64_t back) const noexcept {
     const std::uint64_t head = this->head();
-    return {head > back ? head - back : 0, 0};
+    return {head > back ? head - back : 0};
   }
   /// The value at the cursor, which moves on; false: there is none yet.
   [[nodiscard]] bool read(Cursor& cursor, T& value) const noexcept {
@@ -133,10 +132,7 @@ class Broadcast {
       if (cursor.next >= head) return false;
       // The slot after the newest may be in the writer's hands.
       const std::uint64_t oldest = head >= N ? head - N + 1 : 0;
-      if (cursor.next < oldest) {
-        cursor.lost += oldest - cursor.next;
-        cursor.next = oldest;
-      }
+      cursor.next = std::max(cursor.next, oldest);
       if (slots_[cursor.next % N].read(value) != 2 * (cursor.next + 1)) continue;
       ++cursor.next;
       return true;

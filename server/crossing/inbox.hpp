@@ -30,7 +30,6 @@ class Inbox {
   /// The owner's place; not in shared memory.
   struct Cursor {
     std::uint64_t next{0};
-    std::uint64_t lost{0};  ///< values that were overwritten before they were read
   };
   /// The owner's side: take() has nothing to do.
   [[nodiscard]] bool taken(std::uint64_t next) const noexcept {
@@ -44,9 +43,7 @@ class Inbox {
     if (head == cursor.next) return false;
     // Also if the number went backwards, which no honest writer does.
     if (head - cursor.next > N) {
-      const std::uint64_t oldest = head < N ? 0 : head - N;
-      if (oldest > cursor.next) cursor.lost += oldest - cursor.next;
-      cursor.next = oldest;
+      cursor.next = head < N ? 0 : head - N;
       if (head == cursor.next) return false;
     }
     copy_told(copy, slots_[cursor.next % N]);

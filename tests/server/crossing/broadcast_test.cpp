@@ -57,10 +57,9 @@ TEST(Broadcast, ReaderGetsEveryValueInOrder) {
     EXPECT_EQ(words.word[0], i);
     EXPECT_FALSE(ring->read(cursor, words));
   }
-  EXPECT_EQ(cursor.lost, 0U);
 }
 
-TEST(Broadcast, ASlowReaderKnowsItsLosses) {
+TEST(Broadcast, ASlowReaderGetsTheNewest) {
   const auto ring = zeroed<Ring>();
   Ring::Cursor cursor = ring->begin(0);
   for (std::uint64_t i = 0; i < 20; ++i) ring->publish(Words::of(i));
@@ -68,7 +67,6 @@ TEST(Broadcast, ASlowReaderKnowsItsLosses) {
   std::uint64_t got = 0;
   while (ring->read(cursor, words)) ++got;
   EXPECT_EQ(words.word[0], 19U);
-  EXPECT_EQ(got + cursor.lost, 20U);
   EXPECT_EQ(got, Ring::kKept - 1);
 }
 
@@ -154,7 +152,6 @@ TEST(Inbox, GivesTheNewestOfFastWriter) {
   std::uint64_t value = 0;
   while (box->take(cursor, value)) got.push_back(value);
   EXPECT_EQ(got, (std::vector<std::uint64_t>{12, 13, 14, 15, 16, 17, 18, 19}));
-  EXPECT_EQ(cursor.lost, 12U);
 }
 
 TEST(Inbox, ALyingWriterEndsTheReading) {

@@ -66,30 +66,22 @@ std::shared_ptr<OpenStream> WaitingRoom::enter(const std::shared_ptr<OpenStream>
   const std::lock_guard lock(mutex_);
   if (guests_.size() >= places_) {
     longest = guests_.front().stream.lock();
-    places_of_.erase(guests_.front().name);
     guests_.pop_front();
   }
   guests_.push_back({stream.get(), stream, now});
-  places_of_[stream.get()] = std::prev(guests_.end());
   return longest;
 }
 
 bool WaitingRoom::leave(const OpenStream& stream) {
   const std::lock_guard lock(mutex_);
-  const auto place = places_of_.find(&stream);
-  if (place == places_of_.end()) return false;
-  guests_.erase(place->second);
-  places_of_.erase(place);
-  return true;
+  return std::erase_if(guests_, [&](const Guest& guest) { return guest.name == &stream; }) > 0;
 }
 
 std::vector<std::shared_ptr<OpenStream>> WaitingRoom::overdue(core::TimePoint now) {
   std::vector<std::shared_ptr<OpenStream>> answer;
   const std::lock_guard lock(mutex_);
-  while (!guests_.empty() && now - guests_.front().since >= patience_) {
+  for (; !guests_.empty() && now - guests_.front().since >= patience_; guests_.pop_front()) {
     if (auto stream = guests_.front().stream.lock()) answer.push_back(std::move(stream));
-    places_of_.erase(guests_.front().name);
-    guests_.pop_front();
   }
   return answer;
 }

@@ -2,8 +2,8 @@
 /// State that the calls of the service share, whatever carries them.
 
 #include <condition_variable>
+#include <deque>
 #include <functional>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -75,8 +75,7 @@ class WaitingRoom {
   const std::size_t places_;
   const core::Duration patience_;
   mutable std::mutex mutex_;
-  std::list<Guest> guests_{};  ///< in the order in which they came
-  std::unordered_map<const OpenStream*, std::list<Guest>::iterator> places_of_{};
+  std::deque<Guest> guests_{};  ///< in the order in which they came
 };
 
 /// A stream as the server's shutdown sees it.

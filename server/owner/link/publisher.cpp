@@ -15,7 +15,8 @@ Publisher::Publisher(const Owner& owner, std::function<void(const Answer&)> loca
       local_(std::move(local)),
       memory_("haptic-owner", OwnersPages::bytes(owner.devices().size()),
               SharedMemory::Access::kRead),
-      pages_(*static_cast<OwnersPages*>(memory_.data())) {
+      pages_(*static_cast<OwnersPages*>(memory_.data())),
+      told_(owner.devices().size()) {
   for (std::size_t i = 0; i < owner_.devices().size(); ++i) status(i);
 }
 
@@ -61,11 +62,15 @@ void Publisher::on_answer(const Answer& answer) {
 
 void Publisher::on_event(std::size_t device, const DeviceEvent& event) {
   pages_.events.publish({static_cast<std::uint32_t>(device), event});
+  told_[device].changed.store(true);
 }
 
 void Publisher::on_newest(std::size_t device, const SerialisedState& state) {
   pages_.devices[device].state.publish(state);
   ring();
+  Told& told = told_[device];
+  if (!told.changed.exchange(false) && state.now - told.at < kStatusEvery) return;
+  told.at = state.now;
   status(device);
 }
 

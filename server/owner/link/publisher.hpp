@@ -3,9 +3,11 @@
 /// written where they come up, by the thread on which they do, and a front is woken; the writer
 /// waits for no reader.
 
+#include <atomic>
 #include <functional>
 #include <mutex>
 #include <unordered_set>
+#include <vector>
 
 #include "server/crossing/shared_layout.hpp"
 #include "server/crossing/shared_memory.hpp"
@@ -38,8 +40,9 @@ class Publisher final : public FrontPort {
   /// So many requests wait that a front may hold back its next stop.
   [[nodiscard]] bool full();
 
-  /// Any thread.
-  void status(std::size_t device);
+  /// A status is written with the event that changes it, and so often: counts and the time of the
+  /// newest tick come by no event.
+  static constexpr core::Duration kStatusEvery{std::chrono::milliseconds(50)};
   void ring() noexcept;
 
   void on_answer(const Answer& answer) override;
@@ -47,10 +50,18 @@ class Publisher final : public FrontPort {
   void on_newest(std::size_t device, const SerialisedState& state) override;
 
  private:
+  /// Any thread. The last status with its device.
+  void status(std::size_t device);
+
   const Owner& owner_;
   const std::function<void(const Answer&)> local_;
   SharedMemory memory_;
   OwnersPages& pages_;
+  struct Told {
+    std::atomic<bool> changed{false};  ///< by an event since the newest status
+    core::TimePoint at{};              ///< of the newest status; the drain's
+  };
+  std::vector<Told> told_;                    ///< per device
   std::mutex mutex_;                          ///< answers and statuses come from several threads
   std::unordered_set<std::uint64_t> open_{};  ///< requests of the front
 };

@@ -3,8 +3,12 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <condition_variable>
+#include <mutex>
 #include <span>
 
+#include "server/base/steady_now.hpp"
+#include "server/base/thread_setup.hpp"
 #include "server/front/grpc/rpc_server.hpp"
 #include "server/front/metrics/metrics.hpp"
 #include "server/front/net/protection.hpp"
@@ -15,6 +19,9 @@ namespace haptic::server {
 namespace {
 
 using Use = FrontConfig::Use;
+
+/// With Calls::kPatience it is the 500 ms of proto/README.md, "Every limit".
+constexpr std::chrono::milliseconds kLookEvery{100};
 
 bool serves(const FrontConfig& config, Use use) {
   return std::any_of(config.addresses.begin(), config.addresses.end(),
@@ -81,6 +88,7 @@ void FrontServer::serve() {
   }
   context.connections = std::make_unique<Connections>(std::move(listeners), limits);
   rpc_->start();
+  looks_ = std::jthread([this](const std::stop_token& over) { look_after(over); });
   if (web_) web_->start();
   if (context.udp) context.udp->start();
   context.connections->start(
@@ -90,12 +98,27 @@ void FrontServer::serve() {
       });
 }
 
+void FrontServer::look_after(const std::stop_token& over) {
+  set_thread_up("look after");
+  const core::Duration every =
+      std::min<core::Duration>(kLookEvery, context_->limits.open_within / 5);
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any wakes;
+  do {
+    rpc_->report_health();
+    context_->end_overdue(context_->limits.clock({}));
+    context_->give_up(steady_now());
+  } while (!wakes.wait_for(lock, over, every, [&] { return over.stop_requested(); }));
+}
+
 void FrontServer::stop(core::Duration grace) {
   if (context_->connections) context_->connections->close(grace / 2);
   context_->streams.close_all();
   if (rpc_) rpc_->stop(grace);
   if (web_) web_->stop(grace / 2);
   context_->streams.wait_until_gone();
+  looks_ = {};  // no call waits for an answer any more
   context_->connections.reset();
   web_.reset();
   context_->udp.reset();  // no session has a path any more

@@ -13,11 +13,13 @@
 /// |            | scene wants them                                 |                             |
 /// | connec-    | accepts connections, counts their bytes          | FrontServer::stop()         |
 /// | tions      |                                                  |                             |
+/// | look after | health, and calls and streams whose time is up   | FrontServer::stop()         |
 /// | gRPC's     | calls                                            | FrontServer::stop()         |
 
 #include <functional>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -67,6 +69,9 @@ class FrontServer {
  private:
   void serve();
   void say_what_is_served() const;
+  /// Until it is over: looks at what no event brings up, the health of the devices and calls and
+  /// streams whose time is up.
+  void look_after(const std::stop_token& over);
   [[nodiscard]] std::string metrics() const;
   /// Counters of this front and those before it.
   [[nodiscard]] FrontCounters counted() const;
@@ -77,6 +82,7 @@ class FrontServer {
   WebContent content_{};
   std::unique_ptr<RpcServer> rpc_;
   std::unique_ptr<WebServer> web_{};  ///< null: nothing is served over HTTP
+  std::jthread looks_{};
 };
 
 }  // namespace haptic::server

@@ -30,9 +30,7 @@ class GrpcStream : public Reactor, public Stream {
     outgoing_ = to_buffer(std::move(message));
     this->StartWrite(&outgoing_);
   }
-  void finish(const std::optional<Refusal>& why) override {
-    this->Finish(why ? to_status(*why) : grpc::Status::OK);
-  }
+  void finish(const std::optional<Refusal>& why) override { this->Finish(to_status(why)); }
 
   std::shared_ptr<ResponseStream> self_;
   grpc::ByteBuffer outgoing_;

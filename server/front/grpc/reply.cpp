@@ -1,16 +1,17 @@
 #include "server/front/grpc/reply.hpp"
 
 #include <array>
-#include <chrono>
+#include <memory>
 #include <utility>
 
 #include "server/front/service/rich_status.hpp"
 
 namespace haptic::server {
 
-grpc::Status to_status(const Refusal& refusal) {
-  return {static_cast<grpc::StatusCode>(refusal.code), refusal.message.str(),
-          rich_status(refusal).SerializeAsString()};
+grpc::Status to_status(const std::optional<Refusal>& refusal) {
+  if (!refusal) return grpc::Status::OK;
+  return {static_cast<grpc::StatusCode>(refusal->code), refusal->message.str(),
+          rich_status(*refusal).SerializeAsString()};
 }
 
 grpc::ByteBuffer to_buffer(Outgoing message) {
@@ -29,26 +30,6 @@ grpc::ByteBuffer to_buffer(Outgoing message) {
   }
   add(message.tail);
   return {slices.data(), n};
-}
-
-void GrpcReply::watch(std::function<void()> give_up) {
-  const std::lock_guard lock(mutex_);
-  if (finished()) return;
-  alarm_ = std::make_unique<grpc::Alarm>();
-  // The alarm keeps the reply alive until it rang or was cancelled, and lets go of everything then:
-  // its callback object lives as long as the alarm itself, which is the reply's.
-  alarm_->Set(std::chrono::system_clock::now() + kPatience,
-              [self = shared_from_this(), this, give_up = std::move(give_up)](bool rang) mutable {
-                if (rang) time_is_up(give_up);
-                give_up = nullptr;
-                self.reset();
-              });
-}
-
-void GrpcReply::send(const std::optional<Refusal>& why) {
-  reactor_->Finish(why ? to_status(*why) : grpc::Status::OK);
-  const std::lock_guard lock(mutex_);
-  if (alarm_) alarm_->Cancel();
 }
 
 }  // namespace haptic::server

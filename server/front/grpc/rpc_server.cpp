@@ -8,11 +8,10 @@
 #include <grpcpp/resource_quota.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
+#include <mutex>
 #include <utility>
 
 #include "haptic/core/error.hpp"
-#include "server/front/grpc/every.hpp"
 #include "server/front/grpc/haptic_service_impl.hpp"
 #include "server/front/net/protection.hpp"
 #include "server/front/session/refusals.hpp"
@@ -29,9 +28,6 @@ constexpr int kLargestReceived = 4 * static_cast<int>(kLargestMessage);
 constexpr std::chrono::seconds kHandshake{10};
 constexpr int kReflectionThreads = 8;
 constexpr int kReadChunk = 4096;
-/// How often the health of the devices is looked at, so that a loop that has stopped is noticed.
-constexpr milliseconds kHealthPeriod{250};
-
 /// Milliseconds, in which gRPC takes a time.
 int argument_ms(core::Duration time) {
   return static_cast<int>(std::chrono::duration_cast<milliseconds>(time).count());
@@ -90,14 +86,6 @@ std::shared_ptr<grpc::ServerCredentials> tls_credentials(TlsFiles files) {
   return grpc::SslServerCredentials(options);
 }
 
-/// Keeps the standard health service true: overall "", and one entry per device.
-void report_health(grpc::HealthCheckServiceInterface& health, const ServiceContext& context) {
-  for (std::size_t i = 0; i < context.owner().devices().size(); ++i) {
-    health.SetServingStatus(context.facts(i).name, context.serving(i));
-  }
-  health.SetServingStatus("", context.serving());
-}
-
 }  // namespace
 
 /// The parts that need gRPC's headers.
@@ -107,10 +95,11 @@ struct RpcServer::Grpc {
 
   ServiceContext& context;
   std::optional<TlsFiles> tls;
-  HapticServiceImpl service{context};
+  const std::unique_ptr<grpc::Service> service{haptic_service(context)};
   std::vector<std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>> acceptors{};
   std::unique_ptr<grpc::Server> server{};
-  std::unique_ptr<Every> looks{};
+  std::mutex mutex{};
+  bool healthy{false};  ///< under the mutex: it serves, and is to tell the health of the devices
 };
 
 RpcServer::RpcServer(ServiceContext& context, std::optional<TlsFiles> tls)
@@ -134,16 +123,11 @@ void RpcServer::start() {
         grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
         encrypts(address.protection) ? tls : grpc::InsecureServerCredentials()));
   }
-  builder.RegisterService(&grpc_->service);
+  builder.RegisterService(grpc_->service.get());
   grpc_->server = builder.BuildAndStart();
   if (!grpc_->server) throw core::TransportError("the gRPC server did not start");
-  const auto look = [&context, &health = *grpc_->server->GetHealthCheckService()] {
-    report_health(health, context);
-    context.end_overdue(context.limits.clock({}));
-  };
-  look();
-  const auto a_fifth = std::chrono::duration_cast<milliseconds>(context.limits.open_within / 5);
-  grpc_->looks = std::make_unique<Every>(std::min(kHealthPeriod, a_fifth), look);
+  grpc_->healthy = true;
+  report_health();
 }
 
 void RpcServer::take(std::size_t address, int descriptor) {
@@ -153,9 +137,23 @@ void RpcServer::take(std::size_t address, int descriptor) {
   grpc_->acceptors[address]->HandleNewConnection(&connection);
 }
 
+void RpcServer::report_health() {
+  const std::lock_guard lock(grpc_->mutex);
+  if (!grpc_->healthy) return;
+  grpc::HealthCheckServiceInterface& health = *grpc_->server->GetHealthCheckService();
+  const ServiceContext& context = grpc_->context;
+  for (std::size_t i = 0; i < context.owner().devices().size(); ++i) {
+    health.SetServingStatus(context.facts(i).name, context.serving(i));
+  }
+  health.SetServingStatus("", context.serving());
+}
+
 void RpcServer::stop(core::Duration grace) {
   if (!grpc_->server) return;
-  grpc_->looks.reset();
+  {
+    const std::lock_guard lock(grpc_->mutex);
+    grpc_->healthy = false;
+  }
   grpc_->server->GetHealthCheckService()->SetServingStatus(false);
   grpc_->server->Shutdown(std::chrono::system_clock::now() +
                           std::chrono::duration_cast<std::chrono::system_clock::duration>(grace));

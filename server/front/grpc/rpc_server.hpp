@@ -24,6 +24,8 @@ class RpcServer {
   void start();
   /// A connection by address number `address`; takes the descriptor.
   void take(std::size_t address, int descriptor);
+  /// Keeps the standard health service true: overall "", and one entry per device. Any thread.
+  void report_health();
   /// Refuses new calls, and waits for those under way for at most `grace`. Idempotent.
   void stop(core::Duration grace);
 

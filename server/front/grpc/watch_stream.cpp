@@ -30,22 +30,20 @@ void WatchStream::open(const grpc::ByteBuffer& raw) {
     return end(*wrong);
   }
   const double rate = request.rate_hz() > 0.0 ? request.rate_hz() : kDefaultRateHz;
-  Request admission;
-  admission.kind = Request::Kind::kAdmitWatch;
-  admission.device = static_cast<std::uint32_t>(*target.value);
-  context_.ask(admission,
-               [this, rate, device = *target.value, weak = weak_from_this()](const Answer& answer) {
-                 const auto alive = weak.lock();
-                 if (!alive) return;
-                 if (answer.refusal) return end(*answer.refusal);
-                 {
-                   const std::lock_guard lock(mutex_);
-                   id_ = answer.session_id;
-                   events_ = context_.subscribe(device);
-                   pace_ = Pace(context_.loop_hz(), rate);
-                 }
-                 join(*context_.broadcasters[device]);
-               });
+  context_.ask(
+      {.kind = Request::Kind::kAdmitWatch, .device = static_cast<std::uint32_t>(*target.value)},
+      [this, rate, device = *target.value, weak = weak_from_this()](const Answer& answer) {
+        const auto alive = weak.lock();
+        if (!alive) return;
+        if (answer.refusal) return end(*answer.refusal);
+        {
+          const std::lock_guard lock(mutex_);
+          id_ = answer.session_id;
+          events_ = context_.subscribe(device);
+          pace_ = Pace(context_.loop_hz(), rate);
+        }
+        join(*context_.broadcasters[device]);
+      });
 }
 
 bool WatchStream::offer(const SerialisedState& state, StateFrame& frame, bool states_allowed) {
@@ -71,13 +69,12 @@ void WatchStream::flush() {
 }
 
 void WatchStream::close(Ending /*ending*/) {
-  Request end;
-  end.kind = Request::Kind::kClose;
+  SessionId id;
   {
     const std::lock_guard lock(mutex_);
-    end.session_id = id_;
+    id = id_;
   }
-  if (!end.session_id.empty()) context_.tell(end);
+  if (!id.empty()) context_.tell({.kind = Request::Kind::kClose, .session_id = id});
 }
 
 }  // namespace haptic::server

@@ -19,10 +19,7 @@ constexpr std::size_t kLongestReason = 200;
 
 /// Asked by a session.
 Request by_session(Request::Kind kind, const std::string& id) {
-  Request request;
-  request.kind = kind;
-  request.session_id = session_id(id);
-  return request;
+  return {.kind = kind, .session_id = session_id(id)};
 }
 
 /// An emergency stop of several devices.
@@ -62,32 +59,19 @@ Outcome<core::FaultSet> fault_set(const v1::ClearFaultRequest& request) {
 
 }  // namespace
 
-void Reply::finish(const std::optional<Refusal>& why, const std::function<void()>& fill) {
-  if (finished_.exchange(true)) return;
-  if (fill) fill();
-  send(why);
-}
-
-void Reply::time_is_up(const std::function<void()>& give_up) {
-  give_up();
-  finish(
-      Refusal{Refusal::Code::kUnavailable, "NO_ANSWER", "the loop gave no answer within 500 ms"});
-}
-
-void Calls::ask(const Request& request, const ReplyPtr& reply,
+void Calls::ask(const Request& request, const Reply& reply,
                 std::function<void(const Answer&)> fill) {
-  const std::uint64_t id =
-      context_.ask(request, [reply, fill = std::move(fill)](const Answer& answer) {
-        if (answer.refusal) return reply->finish(*answer.refusal);
-        reply->finish({}, [&] {
-          if (fill) fill(answer);
-        });
-      });
-  reply->watch([this, id] { context_.cancel(id); });
+  context_.ask(
+      request,
+      [reply, fill = std::move(fill)](const Answer& answer) {
+        if (!answer.refusal && fill) fill(answer);
+        reply(answer.refusal);
+      },
+      steady_now() + kPatience);
 }
 
 void Calls::get_server_info(const v1::GetServerInfoRequest& /*request*/,
-                            v1::GetServerInfoResponse& response, const ReplyPtr& reply) {
+                            v1::GetServerInfoResponse& response, const Reply& reply) {
   response = to_proto(context_.server_facts());
   for (std::string& sentence : weaknesses(context_.config)) {
     response.add_insecure(std::move(sentence));
@@ -97,33 +81,33 @@ void Calls::get_server_info(const v1::GetServerInfoRequest& /*request*/,
   if (!context_.owner().devices().empty()) {
     set(*response.mutable_lease_timeout(), context_.facts(0).lease_timeout);
   }
-  reply->finish();
+  reply({});
 }
 
 void Calls::list_devices(const v1::ListDevicesRequest& /*request*/,
-                         v1::ListDevicesResponse& response, const ReplyPtr& reply) {
+                         v1::ListDevicesResponse& response, const Reply& reply) {
   for (std::size_t i = 0; i < context_.owner().devices().size(); ++i) {
     *response.add_devices() =
         describe(context_.facts(i), context_.owner().status(i), context_.config.period);
   }
-  reply->finish();
+  reply({});
 }
 
 void Calls::engage(const v1::EngageRequest& request, v1::EngageResponse& /*response*/,
-                   const ReplyPtr& reply) {
+                   const Reply& reply) {
   ask(by_session(Request::Kind::kEngage, request.session_id()), reply);
 }
 
 void Calls::release(const v1::ReleaseRequest& request, v1::ReleaseResponse& /*response*/,
-                    const ReplyPtr& reply) {
+                    const Reply& reply) {
   ask(by_session(Request::Kind::kRelease, request.session_id()), reply);
 }
 
 void Calls::update_settings(const v1::UpdateSettingsRequest& message,
-                            v1::UpdateSettingsResponse& response, const ReplyPtr& reply) {
+                            v1::UpdateSettingsResponse& response, const Reply& reply) {
   Request request = by_session(Request::Kind::kSettings, message.session_id());
   const auto settings = from_proto(message);
-  if (!settings) return reply->finish(settings.refusal);
+  if (!settings) return reply(settings.refusal);
   request.settings = *settings.value;
   ask(request, reply, [asked = request.settings, &response](const Answer& answer) {
     response = to_proto(asked, answer.settings);
@@ -131,18 +115,18 @@ void Calls::update_settings(const v1::UpdateSettingsRequest& message,
 }
 
 void Calls::get_link_stats(const v1::GetLinkStatsRequest& request,
-                           v1::GetLinkStatsResponse& response, const ReplyPtr& reply) {
+                           v1::GetLinkStatsResponse& response, const Reply& reply) {
   if (!request.device().empty()) {
     const auto target = context_.device(request.device());
-    if (!target) return reply->finish(target.refusal);
+    if (!target) return reply(target.refusal);
   }
   context_.streams.for_each([&](OpenStream& stream) { stream.report(request.device(), response); });
   if (context_.udp) report_unassigned(*context_.udp, response);
-  reply->finish();
+  reply({});
 }
 
 void Calls::emergency_stop(const v1::EmergencyStopRequest* request,
-                           v1::EmergencyStopResponse& response, const ReplyPtr& reply) {
+                           v1::EmergencyStopResponse& response, const Reply& reply) {
   std::vector<std::size_t> devices(context_.owner().devices().size());
   std::iota(devices.begin(), devices.end(), std::size_t{0});
   std::string reason = "by a request that could not be read";
@@ -150,47 +134,45 @@ void Calls::emergency_stop(const v1::EmergencyStopRequest* request,
     reason = sanitised(request->reason(), kLongestReason);
     if (!request->device().empty()) {
       const auto target = context_.device(request->device());
-      if (!target) return reply->finish(target.refusal);
+      if (!target) return reply(target.refusal);
       devices = {*target.value};
     }
   }
   const auto round = std::make_shared<StopRound>();
   round->open = devices.size();
-  std::vector<std::uint64_t> asked;
+  const core::TimePoint until = steady_now() + kPatience;
   for (const std::size_t device : devices) {
-    Request stop;
-    stop.kind = Request::Kind::kStop;
-    stop.device = static_cast<std::uint32_t>(device);
-    stop.text = reason;
     const std::string& name = context_.facts(device).name;
-    asked.push_back(context_.ask(stop, [round, reply, &response, &name](const Answer& answer) {
-      if (!round->take(name, answer)) return;
-      reply->finish(round->refusal(), [&] { response = round->stopped; });
-    }));
+    context_.ask(
+        {.kind = Request::Kind::kStop,
+         .device = static_cast<std::uint32_t>(device),
+         .text = reason},
+        [round, reply, &response, &name](const Answer& answer) {
+          if (!round->take(name, answer)) return;
+          response = round->stopped;
+          reply(round->refusal());
+        },
+        until);
   }
-  reply->watch([this, asked = std::move(asked)] {
-    for (const std::uint64_t id : asked) context_.cancel(id);
-  });
   spdlog::warn("emergency stop of {}: {}",
                devices.size() == 1 ? context_.facts(devices[0]).name : "all",
                reason.empty() ? "no reason given" : "'" + reason + "'");
 }
 
 void Calls::clear_fault(const v1::ClearFaultRequest& request, v1::ClearFaultResponse& response,
-                        const ReplyPtr& reply) {
+                        const Reply& reply) {
   const auto target = context_.device(request.device());
-  if (!target) return reply->finish(target.refusal);
+  if (!target) return reply(target.refusal);
   const auto faults = fault_set(request);
-  if (!faults) return reply->finish(faults.refusal);
-  Request clear;
-  clear.kind = Request::Kind::kClear;
-  clear.device = static_cast<std::uint32_t>(*target.value);
-  clear.faults = *faults.value;
-  ask(clear, reply, [&response](const Answer& answer) {
-    for (std::uint32_t id = 1; id < 32; ++id) {
-      if (answer.faults.has(static_cast<core::Fault>(id))) response.add_cleared(id);
-    }
-  });
+  if (!faults) return reply(faults.refusal);
+  ask({.kind = Request::Kind::kClear,
+       .device = static_cast<std::uint32_t>(*target.value),
+       .faults = *faults.value},
+      reply, [&response](const Answer& answer) {
+        for (std::uint32_t id = 1; id < 32; ++id) {
+          if (answer.faults.has(static_cast<core::Fault>(id))) response.add_cleared(id);
+        }
+      });
 }
 
 }  // namespace haptic::server

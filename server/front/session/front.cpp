@@ -25,7 +25,6 @@ void EventQueue::push(const DeviceEvent& event) {
       return e.kind == DeviceEvent::Kind::kStaleness;
     });
     events_.erase(oldest == events_.end() ? events_.begin() : oldest);
-    ++dropped_;
     ++dropped_untold_;
   }
   events_.push_back(event);
@@ -44,11 +43,6 @@ std::optional<DeviceEvent> EventQueue::pop() {
   return event;
 }
 
-std::uint64_t EventQueue::dropped() const {
-  const std::lock_guard lock(mutex_);
-  return dropped_;
-}
-
 Front::Front(OwnerPort& owner)
     : owner_(owner), last_id_(first_id()), queues_(owner.devices().size()) {}
 
@@ -64,11 +58,11 @@ Outcome<std::size_t> Front::device(const std::string& name) const {
                  "device '" + sanitised(name, 64) + "': must be one of " + names, "device"};
 }
 
-std::uint64_t Front::ask(Request request, Answered answered) {
+std::uint64_t Front::ask(Request request, Answered answered, core::TimePoint until) {
   request.id = ++last_id_;
   {
     const std::lock_guard lock(mutex_);
-    open_[request.id] = std::move(answered);
+    open_[request.id] = {std::move(answered), until};
   }
   owner_.post(request);
   return request.id;
@@ -77,15 +71,24 @@ std::uint64_t Front::ask(Request request, Answered answered) {
 Front::Answered Front::take(std::uint64_t id) {
   const std::lock_guard lock(mutex_);
   auto entry = open_.extract(id);
-  return entry ? std::move(entry.mapped()) : Answered{};
+  return entry ? std::move(entry.mapped().answered) : Answered{};
 }
 
-void Front::cancel(std::uint64_t id) {
-  if (!take(id)) return;
-  Request request;
-  request.kind = Request::Kind::kCancel;
-  request.id = id;
-  owner_.post(request);
+void Front::give_up(core::TimePoint now) {
+  std::vector<std::uint64_t> late;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, open] : open_) {
+      if (open.until <= now) late.push_back(id);
+    }
+  }
+  for (const std::uint64_t id : late) {
+    const Answered answered = take(id);
+    if (!answered) continue;
+    owner_.post(Request{.id = id, .kind = Request::Kind::kCancel});
+    answered({id, Refusal{Refusal::Code::kUnavailable, "NO_ANSWER",
+                          "the loop gave no answer within 500 ms"}});
+  }
 }
 
 void Front::on_answer(const Answer& answer) {

@@ -25,12 +25,10 @@ class EventQueue {
   static constexpr std::size_t kCapacity = 256;
   void push(const DeviceEvent& event);
   [[nodiscard]] std::optional<DeviceEvent> pop();
-  [[nodiscard]] std::uint64_t dropped() const;
 
  private:
   mutable std::mutex mutex_;
   std::deque<DeviceEvent> events_;
-  std::uint64_t dropped_{0};
   std::uint64_t dropped_untold_{0};
 };
 
@@ -57,12 +55,14 @@ class Front : public FrontPort {
   [[nodiscard]] Outcome<std::size_t> device(const std::string& name) const;
 
   /// Posts `request` under an id, which is the answer. `answered` is called once, at once or later
-  /// on the owner link's thread, unless the request is cancelled; it must not block.
-  std::uint64_t ask(Request request, Answered answered);
+  /// on the owner link's thread; it must not block. If no answer came `until` then, give_up()
+  /// refuses the request.
+  std::uint64_t ask(Request request, Answered answered,
+                    core::TimePoint until = core::TimePoint::max());
   /// Posts a request that has no answer.
   void tell(const Request& request) { owner_.post(request); }
-  /// Gives up on an answer.
-  void cancel(std::uint64_t id);
+  /// Takes back every request whose time is up: NO_ANSWER.
+  void give_up(core::TimePoint now);
 
   /// A ticket for the samples of `source`, which hears of its own as long as it lives.
   [[nodiscard]] std::uint64_t ticket(const std::weak_ptr<SampleSource>& source);
@@ -83,7 +83,11 @@ class Front : public FrontPort {
   OwnerPort& owner_;
   std::atomic<std::uint64_t> last_id_;
   std::mutex mutex_;
-  std::unordered_map<std::uint64_t, Answered> open_;
+  struct Open {
+    Answered answered{};
+    core::TimePoint until{};
+  };
+  std::unordered_map<std::uint64_t, Open> open_;
   std::unordered_map<std::uint64_t, std::weak_ptr<SampleSource>> sources_;  ///< by ticket
   std::vector<std::vector<std::weak_ptr<EventQueue>>> queues_;              ///< per device
   std::deque<std::pair<std::size_t, DeviceEvent>> happened_;  ///< the last, with their devices

@@ -166,10 +166,7 @@ void Session::close(bool lost) {
 }
 
 void Session::tell_owner_of_end(const SessionId& id, bool lost) {
-  Request end;
-  end.kind = lost ? Request::Kind::kLose : Request::Kind::kClose;
-  end.session_id = id;
-  front_.tell(end);
+  front_.tell({.kind = lost ? Request::Kind::kLose : Request::Kind::kClose, .session_id = id});
 }
 
 void Session::take(const v1::ProxySample& message, core::TimePoint arrival, Carrier carrier,

@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
+#include "grpc/health/v1/health.pb.h"
 #include "server/front/web/http_answer.hpp"
 #include "server/front/web/session_socket.hpp"
-#include "server/front/web/unary_call.hpp"
 
 namespace haptic::server {
 
@@ -37,15 +37,8 @@ class HttpConnection final : public WebConnection,
   }
   void cut() override { lowest().close(); }
 
-  [[nodiscard]] WebShared& shared() noexcept { return shared_; }
   [[nodiscard]] WebStream& stream() noexcept { return stream_; }
   [[nodiscard]] WebPeer& peer() noexcept { return peer_; }
-
-  void answer_call(const UnaryCall& call, const std::optional<Refusal>& why) {
-    if (why) return refuse(*why);
-    answer(http::status::ok, call.json ? "application/json" : "application/proto",
-           call.json ? Json::from_message(*call.response) : call.response->SerializeAsString());
-  }
 
  private:
   using Head = http::request<http::string_body>;
@@ -145,7 +138,8 @@ class HttpConnection final : public WebConnection,
 
   void answer_post(const Visitor& visitor) {
     const bool health = path() == kHealthPath;
-    const UnaryMethod* const method = find_method(path());
+    const UnaryMethod* const method =
+        path().starts_with(kService) ? find_method(path().substr(kService.size())) : nullptr;
     if (method == nullptr && !health) {
       return refuse({Refusal::Code::kNotFound, "NO_SUCH_CALL", "no such call"}, true);
     }
@@ -174,27 +168,29 @@ class HttpConnection final : public WebConnection,
     const std::string& body = head().body();
     peer_.peer.account->call(body.size());
     if (const auto refusal = too_large(body.size())) return refuse(*refusal);
-    const auto reply =
-        std::make_shared<WebReply<HttpConnection>>(shared_from_this(), peer_.peer.account);
-    method.make(reply->call);
-    reply->call.json = json;
-    if (const std::string why = parse(body, json, *reply->call.request); !why.empty()) {
-      reply->call.readable = false;
-      if (path() != kStopPath) return refuse({Refusal::Code::kInvalid, "PROTOCOL", why, "message"});
+    const std::shared_ptr<OpenCall> open(
+        new OpenCall{{}, BookedCall(peer_.peer.account), asio::make_work_guard(shared_.loop)});
+    UnaryCall& call = open->call;
+    method.make(call);
+    if (const std::string why = Json::read(body, json, *call.request); !why.empty()) {
+      call.readable = false;
+      if (method.name != kStop) return refuse(unreadable(why));
     }
-    lowest().expires_never();  // the reply has a timer of its own
+    lowest().expires_never();  // every call is answered in time
     Calls calls(shared_.context);
-    method.run(calls, reply->call, reply);
+    method.run(calls, call, [self = shared_from_this(), open, json](const auto& why) {
+      asio::post(self->shared_.loop, [self, open, json, why] {
+        why ? self->refuse(*why) : self->answer_message(*open->call.response, json);
+      });
+    });
   }
 
   void check_health(bool json) {
     using grpc::health::v1::HealthCheckResponse;
     grpc::health::v1::HealthCheckRequest request;
-    UnaryCall call;
-    call.json = json;
-    auto response = std::make_unique<HealthCheckResponse>();
-    if (const std::string why = parse(head().body(), json, request); !why.empty()) {
-      return refuse({Refusal::Code::kInvalid, "PROTOCOL", why, "message"});
+    HealthCheckResponse response;
+    if (const std::string why = Json::read(head().body(), json, request); !why.empty()) {
+      return refuse(unreadable(why));
     }
     const ServiceContext& context = shared_.context;
     bool serving = false;
@@ -205,13 +201,12 @@ class HttpConnection final : public WebConnection,
       if (!device) return refuse(device.refusal);
       serving = context.serving(*device.value);
     }
-    response->set_status(serving ? HealthCheckResponse::SERVING : HealthCheckResponse::NOT_SERVING);
-    call.response = std::move(response);
-    answer_call(call, {});
+    response.set_status(serving ? HealthCheckResponse::SERVING : HealthCheckResponse::NOT_SERVING);
+    answer_message(response, json);
   }
 
   void upgrade(const Visitor& visitor) {
-    if (path() != kSessionPath) {
+    if (path() != std::string(kService) + "Session") {
       return refuse({Refusal::Code::kNotFound, "NO_SUCH_CALL", "no such WebSocket"}, true);
     }
     const bool proto = offers(visitor.protocols, kProtoProtocol);
@@ -231,6 +226,13 @@ class HttpConnection final : public WebConnection,
     socket->accept(head());
   }
 
+  void answer_message(const google::protobuf::Message& message, bool json) {
+    answer(http::status::ok, json ? "application/json" : "application/proto",
+           json ? Json::from_message(message) : message.SerializeAsString());
+  }
+  [[nodiscard]] static Refusal unreadable(const std::string& why) {
+    return {Refusal::Code::kInvalid, "PROTOCOL", why, "message"};
+  }
   /// `unread`: its body is on the way still.
   void refuse(const Refusal& why, bool unread = false) {
     closing_ = closing_ || unread;

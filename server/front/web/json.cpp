@@ -14,7 +14,7 @@
 namespace haptic::server {
 namespace {
 
-constexpr char kTypes[] = "type.googleapis.com";
+constexpr char kTypeHost[] = "type.googleapis.com";
 constexpr std::size_t kLongestWhy = 300;
 constexpr int kDeepest = 32;  // brackets within brackets; messages have fewer than ten
 
@@ -77,14 +77,14 @@ std::string base64(const std::string& bytes) {
 
 Json::Json()
     : types_(google::protobuf::util::NewTypeResolverForDescriptorPool(
-          kTypes, google::protobuf::DescriptorPool::generated_pool())) {}
+          kTypeHost, google::protobuf::DescriptorPool::generated_pool())) {}
 
 std::string Json::from_bytes(const google::protobuf::Descriptor& type,
                              const std::string& bytes) const {
   std::string text;
   // Bytes of this server's own making: there is nothing that it could not say.
   static_cast<void>(google::protobuf::util::BinaryToJsonString(
-      types_.get(), std::string(kTypes) + "/" + type.full_name(), bytes, &text));
+      types_.get(), std::string(kTypeHost) + "/" + type.full_name(), bytes, &text));
   return text;
 }
 
@@ -107,6 +107,11 @@ std::string Json::read(std::string_view text, google::protobuf::Message& message
   if (status.ok()) return {};
   const auto why = status.message();
   return sanitised(not_one + std::string(why.data(), why.size()), kLongestWhy);
+}
+
+std::string Json::read(const std::string& body, bool json, google::protobuf::Message& message) {
+  if (json) return read(body, message);
+  return message.ParseFromString(body) ? "" : "not a " + message.GetDescriptor()->name();
 }
 
 unsigned http_status(Refusal::Code code) noexcept {

@@ -23,6 +23,9 @@ class Json {
   /// Overwrites `message`; empty: it was read, but for fields that are unknown here. Else why not,
   /// fit for logs.
   [[nodiscard]] static std::string read(std::string_view text, google::protobuf::Message& message);
+  /// The same of a body that is JSON, or protobuf's bytes.
+  [[nodiscard]] static std::string read(const std::string& body, bool json,
+                                        google::protobuf::Message& message);
 
  private:
   std::unique_ptr<google::protobuf::util::TypeResolver> types_;

@@ -7,7 +7,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "server/front/service/calls.hpp"
+#include "server/front/service/unary_methods.hpp"
 #include "server/front/web/beast.hpp"
 #include "server/front/web/gate.hpp"
 #include "server/front/web/json.hpp"
@@ -15,6 +15,9 @@
 #include "server/front/web/web_server.hpp"
 
 namespace haptic::server {
+
+inline constexpr std::string_view kService = "/haptic.v1.HapticService/";
+inline constexpr std::string_view kHealthPath = "/grpc.health.v1.Health/Check";
 
 /// A connection as the server's end sees it.
 class WebConnection {
@@ -43,6 +46,13 @@ struct WebShared {
     if (!content.page.contains("/")) spdlog::warn("{}", kNoPage);
     spdlog::info("page: {}/?token={} (works once)", page_address, gate.one_time());
   }
+};
+
+/// A unary call until it is answered, from whichever thread.
+struct OpenCall {
+  UnaryCall call{};
+  const BookedCall booked;
+  const asio::executor_work_guard<asio::io_context::executor_type> loop_runs;  ///< till then
 };
 
 /// Knowledge of a connection before it says a word.

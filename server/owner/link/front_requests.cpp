@@ -21,15 +21,14 @@ void FrontRequests::take_stops(FrontProcess& front, core::TimePoint now) {
     // The answer comes when its request has its turn.
     const std::uint32_t stop = front.pages.stops[i].load(std::memory_order_acquire);
     if (front.stops[i] == stop) continue;
-    Request request;
-    request.id = request_id(front.generation, i);         // a front's own begin far above
-    if (!publisher_.expect_answer(request.id)) continue;  // the one before is under way
+    const std::uint64_t id = request_id(front.generation, i);  // a front's own begin far above
+    if (!publisher_.expect_answer(id)) continue;               // the one before is under way
     front.stops[i] = stop;
-    request.kind = Request::Kind::kStop;
-    request.device = static_cast<std::uint32_t>(i);
-    request.text = "over the network, ahead of the requests that wait";
-    request.time = now;
-    owner_.post(request);
+    owner_.post(Request{.id = id,
+                        .kind = Request::Kind::kStop,
+                        .device = static_cast<std::uint32_t>(i),
+                        .text = "over the network, ahead of the requests that wait",
+                        .time = now});
   }
 }
 

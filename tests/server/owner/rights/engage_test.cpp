@@ -149,7 +149,8 @@ TEST_F(Engage, AbandonedRequestBringsNoForce) {
   bool answered = false;
   const std::uint64_t ticket =
       rig.sessions->engage("s1", [&](const Outcome<Done>&) { answered = true; });
-  rig.sessions->cancel(ticket);  // no tick came in time
+  // No tick came in time.
+  rig.owner->post(server::Request{.id = ticket, .kind = server::Request::Kind::kCancel});
   rig.stream(300, 0.01);
   EXPECT_FALSE(answered);
   EXPECT_EQ(rig.state(), core::LifecycleState::kArmed);

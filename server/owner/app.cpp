@@ -24,7 +24,7 @@ void log_grant(const RealtimeFacts& grant) {
 std::unique_ptr<RendererComparison> comparison(const RecordScene& record,
                                                const DeviceScene& device) {
   if (!record.compare_renderers) return nullptr;
-  return std::make_unique<RendererComparison>(device.pipeline.kinematics, device.pipeline.scene,
+  return std::make_unique<RendererComparison>(device.pipeline.kinematics,
                                               device.pipeline.projection);
 }
 

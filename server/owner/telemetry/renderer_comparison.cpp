@@ -6,29 +6,10 @@
 #include <utility>
 
 namespace haptic::server {
-namespace {
-
-/// The value in effect in the tick: the session's, never wider than the scene's.
-double in_effect(const core::VecA& session, const core::VecA& scene, Eigen::Index i) {
-  const bool given = session.size() == scene.size() && session[i] >= 0.0;
-  return given ? std::min(session[i], scene[i]) : scene[i];
-}
-
-core::VecA in_effect(const core::VecA& session, const core::VecA& scene) {
-  core::VecA value = scene;
-  for (Eigen::Index i = 0; i < scene.size(); ++i) value[i] = in_effect(session, scene, i);
-  return value;
-}
-
-}  // namespace
 
 RendererComparison::RendererComparison(std::shared_ptr<const core::Kinematics> kinematics,
-                                       core::RenderSettings scene,
                                        const core::ProjectionSettings& projection)
-    : kinematics_(std::move(kinematics)),
-      scene_(std::move(scene)),
-      model_(*kinematics_, projection),
-      map_(*kinematics_) {
+    : kinematics_(std::move(kinematics)), model_(*kinematics_, projection), map_(*kinematics_) {
   renderers_.reserve(core::kPaperRenderers.size());
   for (const core::RendererKind kind : core::kPaperRenderers) renderers_.emplace_back(kind, model_);
 }
@@ -52,8 +33,8 @@ const std::array<core::VecA, core::kPaperRenderers.size()>& RendererComparison::
   const bool proxy_changed = last_x_.size() != record.anchor.x.size() || last_x_ != record.anchor.x;
   last_x_ = record.anchor.x;
 
-  const core::VecA stiffness = in_effect(record.input.settings.stiffness, scene_.stiffness);
-  const core::VecA limit = in_effect(record.input.settings.force_limit, scene_.force_limit);
+  const core::VecA& stiffness = record.input.settings.stiffness;
+  const core::VecA& limit = record.input.settings.force_limit;
   const core::VecA q_a = layout.select(record.sensed.q);
   if (model_.coupling()) {
     spring_.gain = record.life.gain;

@@ -23,9 +23,9 @@ namespace haptic::server {
 
 class RendererComparison {
  public:
-  /// `kinematics` may be shared. `scene`: the widest settings of the device.
-  RendererComparison(std::shared_ptr<const core::Kinematics> kinematics, core::RenderSettings scene,
-                     const core::ProjectionSettings& projection = {});
+  /// `kinematics` may be shared.
+  explicit RendererComparison(std::shared_ptr<const core::Kinematics> kinematics,
+                              const core::ProjectionSettings& projection = {});
 
   /// tau_a (n_a, N or N m) by kind, in the order of core::kPaperRenderers; NaN if f has no value at
   /// q in a block that the proxy can hold. In the others (Anchor::free) it is 0, as in the tick.
@@ -35,7 +35,6 @@ class RendererComparison {
 
  private:
   const std::shared_ptr<const core::Kinematics> kinematics_;
-  const core::RenderSettings scene_;
   const core::ProjectionModel model_;
   core::BlockMap map_;
   std::vector<core::BlockRenderer> renderers_;  ///< block by block, as in the tick

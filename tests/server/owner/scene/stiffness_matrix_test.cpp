@@ -218,8 +218,7 @@ TEST_F(Stylus, SaturationKeepsTheDirection) {
 TEST_F(Stylus, TheComparisonSaturatesLikeTheTick) {
   server::DeviceScene open = device;
   open.pipeline.passivity = {};
-  server::RendererComparison comparison(open.pipeline.kinematics, open.pipeline.scene,
-                                        open.pipeline.projection);
+  server::RendererComparison comparison(open.pipeline.kinematics, open.pipeline.projection);
   SceneRun run(open);
   run.engage();
   run.hold(turned(0.08, 0.25, 0.35));

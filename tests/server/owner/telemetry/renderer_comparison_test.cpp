@@ -21,8 +21,8 @@ core::RenderSettings equal_settings(int n_a) {
 
 /// Some equal fingers, bent to 30 and 30 deg, each with its own comparison.
 struct ComparedHand {
-  explicit ComparedHand(int count)
-      : kinematics(equal_fingers(count)), comparison(kinematics, equal_settings(count)) {
+  explicit ComparedHand(int count) : kinematics(equal_fingers(count)), comparison(kinematics) {
+    record.input.settings = equal_settings(count);
     record.anchor.x_probe = core::VecX::Constant(2 * count, 30 * kDegree);
     EXPECT_EQ(kinematics->inverse(record.anchor.x_probe, record.sensed.q),
               core::InverseStatus::kExact);

@@ -156,12 +156,8 @@ bool OwnerLink::may_open(const Request& request) {
   return true;
 }
 
-void OwnerLink::refuse(const Request& request, const char* why) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (open_.erase(request.id) == 0 && request.kind != Request::Kind::kStop) return;
-  }
-  const Answer answer{request.id, Refusal{Refusal::Code::kUnavailable, "NO_ANSWER", why}};
+void OwnerLink::refuse(const Request& request, const Refusal& why) {
+  const Answer answer{request.id, why};
   for (const auto& front : fronts()) front->on_answer(answer);
 }
 
@@ -173,31 +169,33 @@ void OwnerLink::post(const Request& request) {
   }
   if (!may_open(request)) {
     wake_owner();  // a stop is obeyed all the same
-    const Answer answer{request.id, Refusal{Refusal::Code::kExhausted, "TOO_MANY_REQUESTS",
-                                            "too many requests wait for an answer"}};
-    for (const auto& front : fronts()) front->on_answer(answer);
-    return;
+    return refuse(request, {Refusal::Code::kExhausted, "TOO_MANY_REQUESTS",
+                            "too many requests wait for an answer"});
   }
-  FrontMessage message;
-  message.kind = FrontMessage::Kind::kRequest;
-  message.request = request;
-  if (!say(message)) refuse(request, "the owner of the devices takes no requests");
+  if (say({.kind = FrontMessage::Kind::kRequest, .request = request})) return;
+  {
+    const std::lock_guard lock(mutex_);
+    if (open_.erase(request.id) == 0 && request.kind != Kind::kStop) return;
+  }
+  refuse(request,
+         {Refusal::Code::kUnavailable, "NO_ANSWER", "the owner of the devices takes no requests"});
+}
+
+template <typename Box, typename Sample>
+void OwnerLink::put(Box& box, const Sample& sample) {
+  {
+    const std::lock_guard lock(samples_mutex_);
+    box.push(sample);
+  }
+  wake_owner();
 }
 
 void OwnerLink::post(const ProxySample& sample) {
-  {
-    const std::lock_guard lock(samples_mutex_);
-    own_pages_->proxies.push(sample);
-  }
-  wake_owner();
+  put(own_pages_->proxies, sample);
 }
 
 void OwnerLink::post(const PoseSample& pose) {
-  {
-    const std::lock_guard lock(samples_mutex_);
-    own_pages_->poses.push(pose);
-  }
-  wake_owner();
+  put(own_pages_->poses, pose);
 }
 
 void OwnerLink::wake_owner() noexcept {

@@ -59,7 +59,9 @@ class OwnerLink final : public OwnerPort {
   /// The owner's next message; kLeave if it is gone.
   [[nodiscard]] OwnerMessage hear();
   [[nodiscard]] bool may_open(const Request& request);
-  void refuse(const Request& request, const char* why);
+  void refuse(const Request& request, const Refusal& why);
+  template <typename Box, typename Sample>
+  void put(Box& box, const Sample& sample);
   void run() noexcept;
   void pass_on();
   void wake_owner() noexcept;

@@ -47,23 +47,18 @@ void take_rights_away(const FrontLimits& limits) {
     sched_setaffinity(0, sizeof all, &all);
   }
   setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + limits.nice);
-  const rlimit none{0, 0};
-  setrlimit(RLIMIT_RTPRIO, &none);
-  setrlimit(RLIMIT_NICE, &none);
-  setrlimit(RLIMIT_MEMLOCK, &none);
-  setrlimit(RLIMIT_CORE, &none);
-  if (limits.memory_bytes != 0) {
-    const rlimit memory{limits.memory_bytes, limits.memory_bytes};
-    setrlimit(RLIMIT_DATA, &memory);
+  const auto limit = [](auto resource, rlim_t most) {
+    const rlimit both{most, most};
+    setrlimit(resource, &both);
+  };
+  for (const auto resource : {RLIMIT_RTPRIO, RLIMIT_NICE, RLIMIT_MEMLOCK, RLIMIT_CORE}) {
+    limit(resource, 0);
   }
-  if (limits.stack_bytes != 0) {
-    const rlimit stack{limits.stack_bytes, limits.stack_bytes};
-    setrlimit(RLIMIT_STACK, &stack);
-  }
+  if (limits.memory_bytes != 0) limit(RLIMIT_DATA, limits.memory_bytes);
+  if (limits.stack_bytes != 0) limit(RLIMIT_STACK, limits.stack_bytes);
   rlimit files{};
   getrlimit(RLIMIT_NOFILE, &files);
-  files.rlim_cur = files.rlim_max = std::min<rlim_t>(files.rlim_max, 4096);
-  setrlimit(RLIMIT_NOFILE, &files);
+  limit(RLIMIT_NOFILE, std::min<rlim_t>(files.rlim_max, 4096));
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   for (unsigned long capability = 0; capability <= CAP_LAST_CAP; ++capability) {
     prctl(PR_CAPBSET_DROP, capability, 0, 0, 0);

@@ -34,6 +34,13 @@ constexpr core::Limiter kActuatorLimiters[] = {
     core::Limiter::kRate,       core::Limiter::kTemperature, core::Limiter::kDriveLimit,
 };
 
+DeviceEvent event_of(const core::TickRecord& record, DeviceEvent::Kind kind,
+                     std::string_view reason, std::string_view message) {
+  const core::CommandSnapshot& command = record.input.command;
+  return {kind,    record.input.now,  reason,
+          message, record.life.state, command.lease_held ? command.tenure : 0};
+}
+
 std::string limiter_sentence(core::Limiter limiter, const core::TickRecord& record) {
   std::string actuators;
   for (std::size_t i = 0; i < static_cast<std::size_t>(record.effort.tau_a.size()); ++i) {
@@ -86,10 +93,8 @@ void EventDetector::derating(const core::TickRecord& record, std::vector<DeviceE
                   static_cast<int>(least), whole[least], record.derating.allowed[least],
                   words(record.derating.reason), measured_ms(record.derating.delay).c_str());
   }
-  const core::CommandSnapshot& command = record.input.command;
-  events.push_back({DeviceEvent::Kind::kLimiter, record.input.now,
-                    core::reason(core::Limiter::kDerated), text, record.life.state,
-                    command.lease_held ? command.tenure : 0});
+  events.push_back(
+      event_of(record, DeviceEvent::Kind::kLimiter, core::reason(core::Limiter::kDerated), text));
 }
 
 void EventDetector::limiters(const core::TickRecord& record, std::vector<DeviceEvent>& events) {
@@ -99,10 +104,8 @@ void EventDetector::limiters(const core::TickRecord& record, std::vector<DeviceE
     const bool begins = !acted || record.input.now - *acted > kQuiet;
     acted = record.input.now;
     if (!begins) continue;
-    const core::CommandSnapshot& command = record.input.command;
-    events.push_back({DeviceEvent::Kind::kLimiter, record.input.now, core::reason(limiter),
-                      limiter_sentence(limiter, record), record.life.state,
-                      command.lease_held ? command.tenure : 0});
+    events.push_back(event_of(record, DeviceEvent::Kind::kLimiter, core::reason(limiter),
+                              limiter_sentence(limiter, record)));
   }
 }
 
@@ -110,9 +113,7 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
                          std::vector<DeviceEvent>& events) {
   const auto add = [&](DeviceEvent::Kind kind, std::string_view reason,
                        const std::string& message) {
-    const core::CommandSnapshot& command = record.input.command;
-    events.push_back({kind, record.input.now, reason, message, record.life.state,
-                      command.lease_held ? command.tenure : 0});
+    events.push_back(event_of(record, kind, reason, message));
   };
   for (const auto& [fault, sentence] : kFaults) {
     const bool now = record.faults().has(fault);

@@ -10,6 +10,7 @@
 
 #include "tests/core/contacts/round_bodies.hpp"
 #include "tests/core/contacts/told_planes.hpp"
+#include "tests/support/percentile.hpp"
 #include "tests/support/solved_contacts.hpp"
 
 namespace haptic::core::proxy_error_test {
@@ -17,12 +18,6 @@ namespace {
 
 double uniform(std::mt19937& random, double lowest, double highest) {
   return std::uniform_real_distribution<double>(lowest, highest)(random);
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 /// Figures by which a bound is judged.
@@ -65,7 +60,8 @@ struct Judged {
   }
   /// The median of the bounds by what it may be: 5 times that of the errors, or 1 % of the peak.
   [[nodiscard]] double loose() const {
-    return median(bounds) / std::max(5.0 * median(errors), 0.01 * peak);
+    return test::percentile(bounds, 0.5) /
+           std::max(5.0 * test::percentile(errors, 0.5), 0.01 * peak);
   }
 };
 
@@ -243,7 +239,8 @@ TEST(ProxyError, BoundsSpheresAsideOfAFinger) {
 
 TEST(ProxyError, TrustsAFingersOwnLink) {
   const auto of = [](double link) {
-    return median(curved(finger(link), pads(0.0), {0.45, 0.5}, 0.3, 0.05, 0.0, 1e-3, 6).bounds);
+    return test::percentile(
+        curved(finger(link), pads(0.0), {0.45, 0.5}, 0.3, 0.05, 0.0, 1e-3, 6).bounds, 0.5);
   };
   const double none = of(0.0);
   EXPECT_LT(2.0 * of(0.045), none);
@@ -252,8 +249,8 @@ TEST(ProxyError, TrustsAFingersOwnLink) {
 
 TEST(ProxyError, BelievesARadiusThatIsTold) {
   const auto of = [](double radius) {
-    return median(
-        curved(finger(0.045), pads(0.0), {0.45, 0.5}, 0.3, 0.05, 0.0, 1e-3, 6, radius).bounds);
+    return test::percentile(
+        curved(finger(0.045), pads(0.0), {0.45, 0.5}, 0.3, 0.05, 0.0, 1e-3, 6, radius).bounds, 0.5);
   };
   const double inferred = of(0.0);
   EXPECT_NEAR(of(0.030), inferred, 1e-6 * inferred);

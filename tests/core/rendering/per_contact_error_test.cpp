@@ -18,6 +18,7 @@
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/angles.hpp"
 #include "tests/support/dense_oracle.hpp"
+#include "tests/support/percentile.hpp"
 
 namespace haptic::core::per_contact_error_test {
 namespace {
@@ -35,12 +36,6 @@ VecX direction(Random& random, Eigen::Index n) {
   VecX v = VecX::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i) v[i] = normal(random);
   return v.normalized();
-}
-
-double middle(std::vector<double> values) {
-  const auto half = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
 }
 
 /// Well-conditioned, of angles.
@@ -180,7 +175,7 @@ void judge_fingers(RendererKind kind, int trials, Random& random, Tally& tally) 
 void report(const char* what, const Tally& tally) {
   std::printf("%s: %d trials, %d known, of %d held back %d known; bound by error: median %.2f\n",
               what, tally.trials, tally.known, tally.held_back, tally.held_back_known,
-              middle(tally.ratios));
+              test::percentile(tally.ratios, 0.5));
 }
 
 TEST(PerContactError, BoundsOneActuator) {
@@ -194,7 +189,7 @@ TEST(PerContactError, BoundsOneActuator) {
   report("one actuator", tally);
   EXPECT_EQ(tally.known, tally.trials);
   EXPECT_GT(tally.held_back, 500);
-  EXPECT_LT(middle(tally.ratios), 2.0);
+  EXPECT_LT(test::percentile(tally.ratios, 0.5), 2.0);
 }
 
 TEST(PerContactError, BoundsTwoFingers) {
@@ -204,7 +199,7 @@ TEST(PerContactError, BoundsTwoFingers) {
   report("two fingers", tally);
   EXPECT_EQ(tally.known, tally.trials);
   EXPECT_GT(tally.held_back, 300);
-  EXPECT_LT(middle(tally.ratios), 2.0);
+  EXPECT_LT(test::percentile(tally.ratios, 0.5), 2.0);
 }
 
 TEST(ForceError, BoundsEveryRenderer) {

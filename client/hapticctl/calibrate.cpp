@@ -6,15 +6,14 @@
 #include <iomanip>
 #include <iostream>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
 
 #include "calibration/guide.hpp"
 #include "commands.hpp"
+#include "message_json.hpp"
 
 namespace haptic::ctl {
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DofCalibration, name, scale, offset, lower, upper)
 namespace {
 
 /// A device behind hapticd. It is a controller that publishes "free" and keeps the device armed at
@@ -140,14 +139,6 @@ client::DeviceInfo device_of(client::Connection& server, const std::string& name
   return device;
 }
 
-nlohmann::json to_json(const CalibrationResult& result, const std::string& serial,
-                       const std::string& file) {
-  return {{"device_serial", serial},
-          {"file", file},
-          {"dof", result.dofs},
-          {"force_zero", result.force_zero}};
-}
-
 /// Asks before it writes the file; false: nothing was written.
 bool save(Guide& guide, std::ostream& out, const std::string& text, const std::string& file) {
   out << '\n' << text << '\n';
@@ -175,10 +166,16 @@ int calibrate(const Options& options) {
   std::ostream& out = options.json ? std::cerr : std::cout;  // the questions
   Guide guide(sensors, std::cin, out);
   try {
-    const CalibrationResult result = guide.run(device.dofs);
+    v1::Calibration result = guide.run(device.dofs);
+    result.set_device_serial(device.serial);
+    result.set_date(today());
     const std::string file = options.output.empty() ? device.serial + ".textproto" : options.output;
-    if (!save(guide, out, to_textproto(result, device.serial, today()), file)) return 1;
-    if (options.json) std::cout << to_json(result, device.serial, file).dump() << '\n';
+    if (!save(guide, out, to_textproto(result), file)) return 1;
+    if (options.json) {
+      nlohmann::json all = to_json(result);
+      all["file"] = file;
+      std::cout << all.dump() << '\n';
+    }
     return 0;
   } catch (const CalibrationAborted& aborted) {
     std::fprintf(stderr, "hapticctl: calibration ended: %s; nothing was written\n", aborted.what());

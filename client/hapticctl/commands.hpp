@@ -68,10 +68,6 @@ class DeviceInFault : public client::ClientError {
   for (std::size_t i = 1; i < names.size(); ++i) text += ", " + names[i];
   return text;
 }
-/// "N" or "N m": the unit of what acts on a coordinate of this unit.
-[[nodiscard]] inline std::string effort_unit(const std::string& unit) {
-  return unit == "m" ? "N" : "N m";
-}
 /// Prints the JSON if --json was given, else the text, and the end of the line.
 void answer(const Options& options, const std::string& json, const std::string& text);
 /// False once SIGINT or SIGTERM came, or `seconds` (0: no limit) have passed since the first call.

@@ -11,6 +11,7 @@
 #include "discovery/announced.hpp"
 
 namespace haptic::ctl {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Announced, name, host, address, txt)
 namespace {
 
 using nlohmann::json;
@@ -79,15 +80,8 @@ int find(const Options& options) {
     return kFailed;
   }
   if (options.json) {
-    json all = json::array();
-    for (const Announced& server : found.servers) {
-      all.push_back({{"name", server.name},
-                     {"host", server.host},
-                     {"address", server.address},
-                     {"txt", server.txt}});
-    }
-    std::printf("%s\n",
-                json{{"servers", all}}.dump(-1, ' ', true, json::error_handler_t::replace).c_str());
+    const json all{{"servers", found.servers}};
+    std::printf("%s\n", all.dump(-1, ' ', true, json::error_handler_t::replace).c_str());
   } else {
     for (const Announced& server : found.servers) print(server);
   }

@@ -1,82 +1,49 @@
 #include <cinttypes>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "convert.hpp"
+#include "haptic/schema/fields.hpp"
+#include "message_json.hpp"
 #include "table.hpp"
-
-namespace haptic::client {
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DegreeOfFreedom, name, unit, actuated, lower, upper, max_effort)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(VirtualCoordinate, name, unit, kind)
-}  // namespace haptic::client
 
 namespace haptic::ctl {
 
 namespace {
 
 using nlohmann::json;
+using schema::effort_unit;
 
 json to_json(const client::ServerInfo& server) {
-  return {{"version", server.version},
-          {"protocol", server.protocol},
-          {"scene", server.scene},
-          {"uptime_s", std::chrono::duration<double>(server.uptime).count()},
-          {"sessions", server.sessions},
-          {"insecure", server.insecure},
-          {"realtime",
-           {{"grade", server.realtime_grade}, {"explanation", server.realtime_explanation}}},
-          {"loop",
-           {{"ticks", server.ticks},
-            {"skipped", server.skipped_ticks},
-            {"lateness_p50_us", server.lateness_p50_us},
-            {"lateness_p99_us", server.lateness_p99_us},
-            {"lateness_max_us", server.lateness_max_us},
-            {"tick_p50_us", server.tick_p50_us},
-            {"tick_p99_us", server.tick_p99_us},
-            {"records_dropped", server.records_dropped},
-            {"paced_by", server.paced_by},
-            {"paced_by_sample", server.paced_by_sample}}}};
+  v1::GetServerInfoResponse message;
+  client::write(server, message);
+  return ctl::to_json(message);
 }
 
 json to_json(const client::DeviceInfo& device) {
-  return {{"name", device.name},
-          {"kind", device.kind},
-          {"model", device.model},
-          {"serial", device.serial},
-          {"moves", device.moves},
-          {"calibrated", device.calibrated},
-          {"measures_force", device.measures_force},
-          {"state", client::name(device.state)},
-          {"faults", client::fault_names(device.faults)},
-          {"controller", device.controller},
-          {"observers", device.observers},
-          {"wants_tracker", device.wants_tracker},
-          {"unguarded", device.unguarded},
-          {"tracker", device.tracker},
-          {"loop_rate_hz", device.loop_rate_hz},
-          {"dofs", device.dofs},
-          {"coordinates", device.coordinates},
-          {"stiffness_limit", device.stiffness_limit},
-          {"damping_limit", device.damping_limit},
-          {"force_limit", device.force_limit},
-          {"slew_limit", device.slew_limit},
-          {"engage_window", device.engage_window},
-          {"state_fields", json_fields(device)}};
+  v1::Device message;
+  client::write(device, message);
+  json all = ctl::to_json(message);
+  all.erase("drawing");  // of the page alone
+  all["faults"] = client::fault_names(device.faults);
+  all["state_fields"] = json_fields(device);
+  return all;
 }
 
 void print(const client::ServerInfo& s) {
+  const client::LoopStatistics& loop = s.loop;
   std::printf("hapticd %s (%s), scene \"%s\", up %.0f s, %u sessions\n", s.version.c_str(),
               s.protocol.c_str(), s.scene.c_str(), std::chrono::duration<double>(s.uptime).count(),
               s.sessions);
-  std::printf("  %s: %s\n", s.realtime_grade.c_str(), s.realtime_explanation.c_str());
+  std::printf("  %s: %s\n", s.realtime.grade.c_str(), s.realtime.explanation.c_str());
   std::printf("  loop: %" PRIu64 " ticks, %" PRIu64
               " skipped, late by %.1f us p50, %.1f us p99, "
               "%.1f us max; tick %.2f us p50, %.2f us p99\n",
-              s.ticks, s.skipped_ticks, s.lateness_p50_us, s.lateness_p99_us, s.lateness_max_us,
-              s.tick_p50_us, s.tick_p99_us);
-  if (!s.paced_by.empty()) {
+              loop.ticks, loop.skipped, loop.lateness_p50_us, loop.lateness_p99_us,
+              loop.lateness_max_us, loop.tick_p50_us, loop.tick_p99_us);
+  if (!loop.paced_by.empty()) {
     std::printf("  paced by %s: %" PRIu64 " ticks by its samples, %" PRIu64 " by the timer\n",
-                s.paced_by.c_str(), s.paced_by_sample, s.ticks - s.paced_by_sample);
+                loop.paced_by.c_str(), loop.paced_by_sample, loop.ticks - loop.paced_by_sample);
   }
   for (const std::string& line : s.insecure) std::printf("  insecure: %s\n", line.c_str());
 }
@@ -86,10 +53,10 @@ void print(const client::DeviceInfo& d) {
               d.moves ? "" : ", moves nothing");
   std::printf("  %s, faults %s, controller %s, %u observers, %g Hz\n", client::name(d.state),
               joined(client::fault_names(d.faults)).c_str(),
-              d.controller.empty() ? "nobody" : d.controller.c_str(), d.observers, d.loop_rate_hz);
+              d.controller.empty() ? "none" : d.controller.c_str(), d.observers, d.loop_rate_hz);
   if (!d.unguarded.empty()) std::printf("  unguarded: no %s\n", joined(d.unguarded).c_str());
   if (d.wants_tracker) {
-    std::printf("  palm by a tracker: %s\n", d.tracker.empty() ? "nobody" : d.tracker.c_str());
+    std::printf("  palm by a tracker: %s\n", d.tracker.empty() ? "none" : d.tracker.c_str());
   }
   std::printf("  %-12s %-4s %21s  %14s %16s %20s %12s\n", "DoF", "unit", "range",
               "stiffness <=", "damping <=", "force <= (spec)", "slew <=");

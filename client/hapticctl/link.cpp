@@ -1,71 +1,18 @@
 #include <cinttypes>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "convert.hpp"
+#include "message_json.hpp"
 
 namespace haptic::ctl {
 
 namespace {
 
-using nlohmann::json;
 using Time = std::optional<std::chrono::nanoseconds>;
 
 double microseconds(std::chrono::nanoseconds time) {
   return std::chrono::duration<double, std::micro>(time).count();
-}
-
-/// null if it is not known.
-json number(const Time& time) {
-  return time ? json(microseconds(*time)) : json(nullptr);
-}
-
-json to_json(const std::vector<client::Rejected>& rejected) {
-  json all = json::object();
-  for (const client::Rejected& entry : rejected) all[entry.reason] = entry.count;
-  return all;
-}
-
-json to_json(const client::LinkDirection& d) {
-  return {{"received", d.received},
-          {"bytes", d.bytes},
-          {"lost", d.lost},
-          {"reordered", d.reordered},
-          {"duplicate", d.duplicate},
-          {"late", d.late},
-          {"rejected", to_json(d.rejected)},
-          {"longest_gap_us", number(d.longest_gap)},
-          {"jitter_us", number(d.jitter)}};
-}
-
-json to_json(const client::SessionLink& s) {
-  json transports = json::array(), clock = nullptr;
-  for (const client::LinkCarrier& t : s.carriers) {
-    transports.push_back({{"transport", client::name(t.carrier)},
-                          {"up", to_json(t.up)},
-                          {"down", to_json(t.down)},
-                          {"round_trip_us", number(t.round_trip)},
-                          {"least_round_trip_us", number(t.least_round_trip)}});
-  }
-  if (s.clock) {
-    clock = {{"offset_ns", s.clock->offset.count()},
-             {"drift_ppm", s.clock->drift * 1e6},
-             {"bound_us", microseconds(s.clock->bound)},
-             {"steps", s.clock->steps}};
-  }
-  return {{"device", s.device},
-          {"client", s.client_name},
-          {"observer", s.observer},
-          {"lease_epoch", s.lease_epoch},
-          {"holds_lease", s.holds_lease},
-          {"samples_by", client::name(s.samples_by)},
-          {"states_by", client::name(s.states_by)},
-          {"transports", transports},
-          {"clock", clock},
-          {"age_p50_us", number(s.age_p50)},
-          {"age_p99_us", number(s.age_p99)},
-          {"age_error_bound_us", number(s.age_error_bound)},
-          {"aged_by_clock", s.aged_by_clock}};
 }
 
 /// In ms; "-" if it is not known.
@@ -94,7 +41,9 @@ void print(const char* way, const client::LinkCarrier& t, const client::LinkDire
 }
 
 void print(const client::SessionLink& s) {
-  const char* role = s.observer ? "observer" : s.holds_lease ? "controller" : "lease over";
+  const char* role = s.role == client::Role::kObserver ? "observer"
+                     : s.holds_lease                   ? "controller"
+                                                       : "lease over";
   std::printf("\n%s: '%s', %s, lease epoch %u, samples by %s, states by %s\n", s.device.c_str(),
               s.client_name.c_str(), role, s.lease_epoch, client::name(s.samples_by),
               client::name(s.states_by));
@@ -111,8 +60,8 @@ void print(const client::SessionLink& s) {
               s.aged_by_clock);
   if (!s.clock) return;
   std::printf("  clock offset %.6f s +- %.3f ms, drift %.1f ppm, %u steps\n",
-              std::chrono::duration<double>(s.clock->offset).count(),
-              microseconds(s.clock->bound) / 1e3, s.clock->drift * 1e6, s.clock->steps);
+              1e-9 * static_cast<double>(s.clock->offset_ns), microseconds(s.clock->bound) / 1e3,
+              s.clock->drift * 1e6, s.clock->steps);
 }
 
 }  // namespace
@@ -121,10 +70,9 @@ int link(const Options& options) {
   client::Connection server = connect(options);
   const client::LinkReport report = server.links(options.device);
   if (options.json) {
-    json sessions = json::array();
-    for (const client::SessionLink& session : report.sessions) sessions.push_back(to_json(session));
-    const json all = {{"sessions", sessions}, {"unassigned", to_json(report.unassigned)}};
-    std::printf("%s\n", all.dump(2).c_str());
+    v1::GetLinkStatsResponse message;
+    client::write(report, message);
+    std::printf("%s\n", to_json(message).dump(2).c_str());
     return 0;
   }
   std::printf("%zu sessions; datagrams of no session: %s\n", report.sessions.size(),

@@ -22,11 +22,9 @@ int health(const Options& options) {
 /// it.
 int estop(const Options& options) {
   const std::string device = options.device.empty() ? "" : " " + options.device;
-  if (const auto stopped = ask_locally(options.server, "stop" + device + "\n" + options.reason)) {
-    answer(options, json{{"stopped", *stopped}}.dump(), "stopped: " + joined(*stopped));
-    return kDone;
-  }
-  const auto stopped = connect(options).emergency_stop(options.device, options.reason);
+  const auto here = ask_locally(options.server, "stop" + device + "\n" + options.reason);
+  const std::vector<std::string> stopped =
+      here ? *here : connect(options).emergency_stop(options.device, options.reason);
   answer(options, json{{"stopped", stopped}}.dump(), "stopped: " + joined(stopped));
   return kDone;
 }
@@ -35,16 +33,13 @@ int clear_fault(const Options& options) {
   std::uint32_t bits = 0;
   for (const std::uint32_t fault : options.faults) bits |= 1U << (fault & 31U);
   const std::string device = options.device.empty() ? "" : " " + options.device;
-  if (const auto cleared =
-          ask_locally(options.server, "clear" + device + "\n" + std::to_string(bits))) {
-    bits = cleared->empty() ? 0U : static_cast<std::uint32_t>(std::stoul(cleared->front()));
-    const std::vector<std::string> names = client::fault_names(bits);
-    answer(options, json{{"cleared", names}}.dump(), "cleared: " + joined(names));
-    return kDone;
-  }
+  const auto here = ask_locally(options.server, "clear" + device + "\n" + std::to_string(bits));
   bits = 0;
-  for (const std::uint32_t fault : connect(options).clear_fault(options.device, options.faults)) {
-    bits |= 1U << (fault & 31U);
+  if (here && !here->empty()) bits = static_cast<std::uint32_t>(std::stoul(here->front()));
+  if (!here) {
+    for (const std::uint32_t fault : connect(options).clear_fault(options.device, options.faults)) {
+      bits |= 1U << (fault & 31U);
+    }
   }
   const std::vector<std::string> cleared = client::fault_names(bits);
   answer(options, json{{"cleared", cleared}}.dump(), "cleared: " + joined(cleared));

@@ -9,14 +9,16 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "haptic/client/state_fields.hpp"
+#include "convert_state.hpp"
+#include "haptic/schema/fields.hpp"
+#include "message_json.hpp"
 
 namespace haptic::ctl {
 
 namespace {
 
-using client::StateField;
-using Kind = StateField::Kind;
+namespace pb = google::protobuf;
+using schema::effort_unit;
 
 template <typename... Arguments>
 std::string text(const char* format, Arguments... arguments) {
@@ -25,27 +27,31 @@ std::string text(const char* format, Arguments... arguments) {
   return buffer;
 }
 
-/// Five digits are enough for people.
-std::string shortened(const StateField& field, std::size_t i) {
-  const std::string& value = field.values[i];
-  if (field.kind == Kind::kBits) return value.empty() ? "none" : value;
+/// Value `index` as "0.0123 m", with five digits: enough for people. A unit that ends the field's
+/// name is not said again.
+std::string shown(const pb::Message& message, const pb::FieldDescriptor& field, int index,
+                  const schema::Label& label = {}) {
+  std::string value;
+  schema::append_value(message, field, index, value);
+  if (field.options().HasExtension(v1::bits) && value.empty()) value = "none";
   const bool fraction =
       value.find('.') != std::string::npos || value.find("e-") != std::string::npos;
-  return field.kind == Kind::kNumber && fraction ? text("%.5g", std::strtod(value.c_str(), nullptr))
-                                                 : value;
+  if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_DOUBLE && fraction) {
+    value = text("%.5g", std::strtod(value.c_str(), nullptr));
+  }
+  const std::string unit = schema::unit_of(field, label);
+  return value + (unit.empty() || field.name().ends_with("_" + unit) ? "" : " " + unit);
 }
 
-/// "0.0123 m"; a unit that ends the field's name is not said again.
-std::string with_unit(const StateField& field, std::size_t i) {
-  const std::string& unit = field.units[field.axis.empty() ? 0 : i];
-  const bool said = field.name.size() > unit.size() + 1 &&
-                    field.name.substr(field.name.size() - unit.size() - 1) == "_" + unit;
-  return shortened(field, i) + (unit.empty() || said ? "" : " " + unit);
+schema::Labels labels_of(const client::DeviceInfo& device) {
+  schema::Labels labels;
+  for (const auto& dof : device.dofs) labels.add_dof({dof.name, dof.unit}, dof.actuated);
+  for (const auto& c : device.coordinates) labels.coordinates.push_back({c.name, c.unit});
+  return labels;
 }
 
-bool absent(const std::vector<StateField>& message) {
-  return std::all_of(message.begin(), message.end(),
-                     [](const StateField& field) { return field.values.empty(); });
+v1::Axis axis_of(const pb::FieldDescriptor& field) {
+  return field.options().GetExtension(v1::axis);
 }
 
 /// Appends the items to the last row; an item that would go beyond `width` begins a further row.
@@ -57,21 +63,24 @@ void add_items(const Rows& items, std::size_t width, Rows& rows) {
 }
 
 /// "gain 0.5" of every value without an axis.
-Rows scalars(const std::vector<StateField>& fields) {
+Rows scalars(const pb::Message& message) {
   Rows items;
-  for (const StateField& field : fields) {
-    if (!field.axis.empty() || field.kind == Kind::kMessage) continue;
-    items.push_back(field.name);
-    for (std::size_t i = 0; i < field.values.size(); ++i) items.back() += " " + with_unit(field, i);
+  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+    const pb::FieldDescriptor& field = *message.GetDescriptor()->field(i);
+    if (field.is_repeated() || field.message_type() != nullptr) continue;
+    items.push_back(field.name() + " " + shown(message, field, 0));
   }
   return items;
 }
 
 /// "slide 0.125 m" of every value along an axis.
-Rows labelled(const StateField& field) {
+Rows labelled(const pb::Message& message, const pb::FieldDescriptor& field,
+              const std::vector<schema::Label>& labels) {
   Rows items;
-  for (std::size_t i = 0; i < std::min(field.labels.size(), field.values.size()); ++i) {
-    items.push_back(field.labels[i] + " " + with_unit(field, i));
+  const int count = message.GetReflection()->FieldSize(message, &field);
+  for (int i = 0; i < count && i < static_cast<int>(labels.size()); ++i) {
+    const schema::Label& label = labels[static_cast<std::size_t>(i)];
+    items.push_back(label.name + " " + shown(message, field, i, label));
   }
   return items;
 }
@@ -111,51 +120,24 @@ std::string derated(const client::DeviceInfo& device, const client::DeviceState&
   return words;
 }
 
-nlohmann::json to_json(const std::vector<StateField>& fields);
-
-nlohmann::json value_of(const StateField& field, const std::string& value) {
-  if (field.kind == Kind::kName) return value;
-  if (field.kind == Kind::kNumber) {
-    nlohmann::json number = nlohmann::json::parse(value, nullptr, false);
-    return number.is_discarded() ? nlohmann::json() : number;  // JSON has no nan
-  }
-  nlohmann::json names = nlohmann::json::array();
-  for (std::size_t from = 0, to = 0; from < value.size(); from = to + 1) {
-    to = std::min(value.find('|', from), value.size());
-    names.push_back(value.substr(from, to - from));
-  }
-  return names;
-}
-
-nlohmann::json value_of(const StateField& field) {
-  if (!field.repeated && field.kind == Kind::kMessage) return to_json(field.messages.front());
-  if (!field.repeated) return value_of(field, field.values.front());
+nlohmann::json schema_of(const pb::Descriptor& type, const schema::Labels& labels) {
+  static constexpr const char* kAxes[]{"", "dof", "actuated", "coordinate"};
   nlohmann::json list = nlohmann::json::array();
-  for (const std::string& value : field.values) list.push_back(value_of(field, value));
-  for (const auto& message : field.messages) list.push_back(to_json(message));
-  return list;
-}
-
-/// Null for an absent message.
-nlohmann::json to_json(const std::vector<StateField>& fields) {
-  nlohmann::json object;
-  if (absent(fields)) return object;
-  for (const StateField& field : fields) object[field.name] = value_of(field);
-  return object;
-}
-
-nlohmann::json schema_of(const std::vector<StateField>& fields) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const StateField& field : fields) {
-    nlohmann::json entry{{"name", field.name}};
-    if (field.kind == Kind::kMessage && !field.repeated) {
-      entry["fields"] = schema_of(field.messages.front());
-    } else if (!field.axis.empty()) {
-      entry.update({{"axis", field.axis}, {"labels", field.labels}, {"units", field.units}});
-    } else if (!field.units.front().empty()) {
-      entry["unit"] = field.units.front();
+  for (int i = 0; i < type.field_count(); ++i) {
+    const pb::FieldDescriptor& field = *type.field(i);
+    nlohmann::json& entry = list.emplace_back(nlohmann::json{{"name", field.name()}});
+    if (field.message_type() != nullptr) {
+      entry["fields"] = schema_of(*field.message_type(), labels);
+    } else if (field.is_repeated()) {
+      entry["axis"] = kAxes[axis_of(field)];
+      entry["labels"] = entry["units"] = nlohmann::json::array();
+      for (const schema::Label& label : labels.of(axis_of(field))) {
+        entry["labels"].push_back(label.name);
+        entry["units"].push_back(schema::unit_of(field, label));
+      }
+    } else if (const std::string unit = schema::unit_of(field); !unit.empty()) {
+      entry["unit"] = unit;
     }
-    list.push_back(entry);
   }
   return list;
 }
@@ -164,20 +146,23 @@ nlohmann::json schema_of(const std::vector<StateField>& fields) {
 
 Rows table(const client::DeviceInfo& device, const client::DeviceState& s, double seconds,
            std::uint64_t conflated, std::size_t width) {
-  const std::vector<StateField> fields = client::state_fields(device, s);
+  v1::DeviceState message;
+  client::write(s, message);
+  const pb::Reflection& reflection = *message.GetReflection();
+  const schema::Labels labels = labels_of(device);
   Rows rows{text("%s  t %.1f s  conflated %llu", device.name.c_str(), seconds,
                  static_cast<unsigned long long>(conflated))};
-  add_items(scalars(fields), width, rows);
+  add_items(scalars(message), width, rows);
   if (const std::string words = derated(device, s); !words.empty()) rows.push_back("  " + words);
-  for (const StateField& field : fields) {
-    for (const auto& message : field.messages) {
-      if (absent(message)) continue;
-      rows.push_back("  " + field.name + ":");
-      add_items(scalars(message), width, rows);
+  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+    const pb::FieldDescriptor& field = *message.GetDescriptor()->field(i);
+    if (field.is_repeated() && reflection.FieldSize(message, &field) > 0) {
+      rows.push_back(text("  %-20s", field.name().c_str()));
+      add_items(labelled(message, field, labels.of(axis_of(field))), width, rows);
+    } else if (field.message_type() != nullptr && reflection.HasField(message, &field)) {
+      rows.push_back("  " + field.name() + ":");
+      add_items(scalars(reflection.GetMessage(message, &field)), width, rows);
     }
-    if (field.axis.empty() || field.values.empty()) continue;
-    rows.push_back(text("  %-20s", field.name.c_str()));
-    add_items(labelled(field), width, rows);
   }
   return rows;
 }
@@ -206,20 +191,22 @@ std::string line(const client::DeviceInfo& device, const client::DeviceState& s,
 }
 
 nlohmann::json state_json(const client::DeviceInfo& device, const client::DeviceState& state) {
-  nlohmann::json all = to_json(client::state_fields(device, state));
+  v1::DeviceState message;
+  client::write(state, message);
+  nlohmann::json all = to_json(message);
   all["device"] = device.name;
   return all;
 }
 
 nlohmann::json json_fields(const client::DeviceInfo& device) {
-  return schema_of(client::state_fields(device, {}));
+  return schema_of(*v1::DeviceState::descriptor(), labels_of(device));
 }
 
 std::string loop_row(const client::ServerInfo& server) {
   return text("loop: %llu ticks, %llu skipped, late %.1f us p50, %.1f us p99; tick %.2f us p50",
-              static_cast<unsigned long long>(server.ticks),
-              static_cast<unsigned long long>(server.skipped_ticks), server.lateness_p50_us,
-              server.lateness_p99_us, server.tick_p50_us);
+              static_cast<unsigned long long>(server.loop.ticks),
+              static_cast<unsigned long long>(server.loop.skipped), server.loop.lateness_p50_us,
+              server.loop.lateness_p99_us, server.loop.tick_p50_us);
 }
 
 std::size_t Screen::width() {

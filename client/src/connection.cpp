@@ -97,7 +97,7 @@ Connection::Connection(const std::string& address, const TlsOptions& tls)
 Connection::~Connection() = default;
 
 ServerInfo Connection::server_info(std::chrono::milliseconds timeout) {
-  return to_info(call(*impl_->stub, &Stub::GetServerInfo, {}, timeout));
+  return read_as<ServerInfo>(call(*impl_->stub, &Stub::GetServerInfo, {}, timeout));
 }
 
 bool Connection::healthy(const std::string& device, std::chrono::milliseconds timeout) {
@@ -119,7 +119,7 @@ bool Connection::healthy(const std::string& device, std::chrono::milliseconds ti
 std::vector<DeviceInfo> Connection::devices(std::chrono::milliseconds timeout) {
   const auto answer = call(*impl_->stub, &Stub::ListDevices, {}, timeout);
   std::vector<DeviceInfo> devices;
-  for (const v1::Device& device : answer.devices()) devices.push_back(to_info(device));
+  for (const v1::Device& device : answer.devices()) read(device, devices.emplace_back());
   return devices;
 }
 
@@ -139,7 +139,7 @@ std::unique_ptr<Watch> Connection::watch(const std::string& device, double rate_
 LinkReport Connection::links(const std::string& device) {
   v1::GetLinkStatsRequest request;
   request.set_device(device);
-  return to_report(call(*impl_->stub, &Stub::GetLinkStats, request, kAnswer));
+  return read_as<LinkReport>(call(*impl_->stub, &Stub::GetLinkStats, request, kAnswer));
 }
 
 std::vector<std::string> Connection::emergency_stop(const std::string& device,

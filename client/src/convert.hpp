@@ -1,7 +1,6 @@
 #pragma once
-/// The library's types from messages, and settings to a message.
+/// The library's types from messages and to them.
 
-#include "haptic/client/link.hpp"
 #include "haptic/client/session.hpp"
 #include "haptic/client/types.hpp"
 #include "haptic/v1/haptic_service.pb.h"
@@ -9,20 +8,29 @@
 
 namespace haptic::client {
 
+// Generated (proto/generate). `to` holds the defaults.
+void read(const v1::Event& from, Event& to);
+void read(const v1::Device& from, DeviceInfo& to);
+void read(const v1::GetServerInfoResponse& from, ServerInfo& to);
+void read(const v1::GetLinkStatsResponse& from, LinkReport& to);
+void write(const Event& from, v1::Event& to);
+void write(const DeviceInfo& from, v1::Device& to);
+void write(const ServerInfo& from, v1::GetServerInfoResponse& to);
+void write(const LinkReport& from, v1::GetLinkStatsResponse& to);
+void write(const Plane& from, v1::Plane& to);
+
+/// A value that read() fills.
+template <typename Type, typename Message>
+[[nodiscard]] Type read_as(const Message& message) {
+  Type value;
+  read(message, value);
+  return value;
+}
 /// `received` is now.
 [[nodiscard]] DeviceState to_state(const v1::DeviceState& message);
-/// Generated.
-void write(const Plane& from, v1::Plane& to);
-[[nodiscard]] Event to_event(const v1::Event& message);
-[[nodiscard]] DeviceInfo to_info(const v1::Device& message);
-[[nodiscard]] ServerInfo to_info(const v1::GetServerInfoResponse& message);
-[[nodiscard]] LinkReport to_report(const v1::GetLinkStatsResponse& message);
 [[nodiscard]] v1::UpdateSettingsRequest to_request(const Settings& settings);
 [[nodiscard]] AppliedSettings to_settings(const v1::UpdateSettingsResponse& message);
 [[nodiscard]] std::chrono::nanoseconds to_duration(const google::protobuf::Duration& message);
-template <typename Number>
-[[nodiscard]] std::vector<Number> to_vector(const google::protobuf::RepeatedField<Number>& field) {
-  return {field.begin(), field.end()};
-}
+void write(std::chrono::nanoseconds from, google::protobuf::Duration& to);
 
 }  // namespace haptic::client

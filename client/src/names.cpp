@@ -1,4 +1,4 @@
-#include "haptic/client/state_types.hpp"
+#include "haptic/client/types.hpp"
 #include "haptic/schema/fields.hpp"
 #include "haptic/v1/session.pb.h"
 

@@ -2,7 +2,6 @@
 
 #include "remote_session.hpp"
 
-#include <google/protobuf/util/time_util.h>
 #include <pthread.h>
 
 #include "convert.hpp"
@@ -62,7 +61,7 @@ void RemoteSession::open() {
 void RemoteSession::fetch_device() {
   const auto answer = call(*stub_, &Stub::ListDevices, {}, options_.timeout);
   for (const v1::Device& device : answer.devices()) {
-    if (device.name() == opened_.device()) device_ = to_info(device);
+    if (device.name() == opened_.device()) device_ = read_as<DeviceInfo>(device);
   }
 }
 
@@ -80,10 +79,9 @@ v1::OpenSession RemoteSession::opening() const {
   if (resumable() && !force_.owes_release()) open.set_resume(opened_.session_id());
   open.set_events_after_ns(newest_event_ns_);
   open.set_udp_wanted(options_.carriers != Carriers::kGrpcOnly && !options_.tracker);
-  const auto to_message = google::protobuf::util::TimeUtil::NanosecondsToDuration;
-  if (options_.fresh_end) *open.mutable_fresh_end() = to_message(options_.fresh_end->count());
-  if (options_.hold_end) *open.mutable_hold_end() = to_message(options_.hold_end->count());
-  if (options_.fade_end) *open.mutable_fade_end() = to_message(options_.fade_end->count());
+  if (options_.fresh_end) write(*options_.fresh_end, *open.mutable_fresh_end());
+  if (options_.hold_end) write(*options_.hold_end, *open.mutable_hold_end());
+  if (options_.fade_end) write(*options_.fade_end, *open.mutable_fade_end());
   return open;
 }
 

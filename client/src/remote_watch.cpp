@@ -57,7 +57,7 @@ class RemoteWatch final : public Watch, public grpc::ClientReadReactor<v1::Watch
       call_back(CallbackThread::kGrpc, on_state_, to_state(response_.state()));
     }
     if (response_.has_event() && on_event_) {
-      call_back(CallbackThread::kGrpc, on_event_, to_event(response_.event()));
+      call_back(CallbackThread::kGrpc, on_event_, read_as<Event>(response_.event()));
     }
     StartRead(&response_);
   }

@@ -85,7 +85,7 @@ void RemoteSession::received(const v1::DeviceState& state) {
 }
 
 void RemoteSession::received(const v1::Event& event) {
-  events_.push_back(to_event(event));
+  read(event, events_.emplace_back());
   if (event.kind() != v1::Event::KIND_TRANSPORT) newest_event_ns_ = event.server_time_ns();
   work_.notify_all();
   // The end of an earlier session's lease may still be told to a session that opens just then.

@@ -3,7 +3,8 @@
     python3 proto/generate KIND DESCRIPTORS OUTPUT
 
 DESCRIPTORS: what protoc --descriptor_set_out --include_imports --include_source_info makes of
-haptic/v1/session.proto. KIND: one of KINDS.
+haptic/v1/haptic_service.proto; haptic/v1/session.proto is enough for states and planes. KIND: one
+of KINDS.
 """
 
 import pathlib

@@ -1,10 +1,19 @@
-"""C++: haptic::client::DeviceState, Plane, and what Contact has of it; and their way to and from
-the messages."""
+"""C++: haptic::client::DeviceState, Plane, what Contact has of it, and the facts of servers,
+devices and links; and their way to and from the messages."""
 
-from schema import MADE, Field, Message, Schema, wrapped
+from schema import MADE, Enum, Field, Message, Schema, pascal, wrapped
 
 TYPES = {"double": "double", "uint32": "std::uint32_t", "uint64": "std::uint64_t",
-         "int64": "std::int64_t"}
+         "int32": "std::int32_t", "int64": "std::int64_t", "sint64": "std::int64_t", "bool": "bool",
+         "string": "std::string", "duration": "std::chrono::nanoseconds"}
+_FACTS = ("Event", "Device", "GetServerInfoResponse", "GetLinkStatsResponse")
+_CALLED = {"Device": "DeviceInfo", "GetServerInfoResponse": "ServerInfo",
+           "GetLinkStatsResponse": "LinkReport", "LinkTransport": "LinkCarrier",
+           "LinkTransport.transport": "carrier", "SessionLink.transports": "carriers"}
+# Messages and durations that the server always sends; others are optional.
+_ALWAYS = ("realtime", "loop", "uptime", "lease_timeout", "up", "down", "bound")
+_INCLUDES = ["#include <chrono>", "#include <cstdint>", "#include <optional>", "#include <string>",
+             "#include <vector>", "", '#include "haptic/client/enums.hpp"']
 
 
 def source(includes: list[str], namespace: str, body: list[str]) -> list[str]:
@@ -15,17 +24,32 @@ def source(includes: list[str], namespace: str, body: list[str]) -> list[str]:
 
 def name_of(field: Field) -> str:
     """Times are std::chrono's, so their names have no unit."""
-    return field.called.removesuffix("_us")
+    name = _CALLED.get(f"{field.message}.{field.name}", field.called)
+    return name.removesuffix("_us") if field.is_time else name
+
+
+def _called(message: str) -> str:
+    return _CALLED.get(message, message)
+
+
+def _fields(schema: Schema, message: Message) -> list[Field]:
+    return [field for field in message.fields
+            if field.kind != "message" or field.type in schema.messages]
+
+
+def _is_optional(field: Field) -> bool:
+    may_lack = field.kind in ("message", "duration") and field.name not in _ALWAYS
+    return field.optional or (may_lack and not field.repeated)
 
 
 def _type(schema: Schema, field: Field) -> str:
-    if field.kind == "enum":  # of haptic/client/state_types.hpp, if the library has one for it
+    if field.kind == "enum":  # of haptic/client/enums.hpp, if the library has one for it
         return schema.enums[field.type].called or "std::uint32_t"
-    kind = field.type if field.kind == "message" else \
+    kind = _called(field.type) if field.kind == "message" else \
         "std::chrono::microseconds" if field.is_time else TYPES[field.kind]
     if field.repeated:
         return f"std::vector<{kind}>"
-    return f"std::optional<{kind}>" if field.optional or field.kind == "message" else kind
+    return f"std::optional<{kind}>" if _is_optional(field) else kind
 
 
 def _members(schema: Schema, fields: list[Field], notes: list[str]) -> list[str]:
@@ -36,26 +60,48 @@ def _members(schema: Schema, fields: list[Field], notes: list[str]) -> list[str]
 
 
 def _struct(message: Message, members: list[str]) -> list[str]:
-    return ["", *wrapped(message.comment, "/// "), f"struct {message.name} {{", *members, "};"]
+    return ["", *wrapped(message.comment, "/// "), f"struct {_called(message.name)} {{", *members,
+            "};"]
 
 
 def _header(includes: list[str], body: list[str]) -> list[str]:
     return ["#pragma once", *source(["", *includes], "haptic::client", body)]
 
 
-def state_header(schema: Schema) -> list[str]:
+def _structs(schema: Schema, messages: list[Message]) -> list[str]:
     body = []
-    for message in schema.state:
-        notes = [field.about("" if field.is_time else None) for field in message.fields]
-        members = _members(schema, message.fields, notes)
+    for message in messages:
+        fields = _fields(schema, message)
+        notes = [field.about("" if field.is_time else None) for field in fields]
+        members = _members(schema, fields, notes)
         if message.name == "DeviceState":
             members += ["  /// This machine's steady clock when the state arrived.",
                         "  std::chrono::steady_clock::time_point received{};"]
-        name = f"const {message.name}&"
+        name = f"const {_called(message.name)}&"
         body += _struct(message, [
             *members, "", f"  friend bool operator==({name}, {name}) = default;"])
-    return _header(["#include <chrono>", "#include <cstdint>", "#include <optional>",
-                    "#include <vector>", "", '#include "haptic/client/state_types.hpp"'], body)
+    return _header(_INCLUDES, body)
+
+
+def state_header(schema: Schema) -> list[str]:
+    return _structs(schema, schema.state)
+
+
+def facts_header(schema: Schema) -> list[str]:
+    return _structs(schema, schema.with_held(*_FACTS))
+
+
+def _enum(enum: Enum) -> list[str]:
+    lines = ["", *wrapped(enum.comment, "/// "), f"enum class {enum.called} : std::uint8_t {{"]
+    for (name, number), note in zip(enum.values, enum.notes):
+        lines += wrapped(note, "  /// ")
+        lines.append(f"  k{pascal('NONE' if name == 'UNSPECIFIED' else name)} = {number},")
+    return lines + ["};"]
+
+
+def enums_header(schema: Schema) -> list[str]:
+    return _header(["#include <cstdint>"], [line for enum in schema.enums.values() if enum.called
+                                            for line in _enum(enum)])
 
 
 def plane_header(schema: Schema) -> list[str]:
@@ -72,10 +118,15 @@ def contact_members(schema: Schema) -> list[str]:
 
 def _read(schema: Schema, field: Field) -> str:
     to, got = f"to.{name_of(field)}", f"from.{field.name}()"
-    if field.kind == "message":
-        return f"if (from.has_{field.name}()) read({got}, {to}.emplace());"
+    if field.kind == "message" and field.repeated:
+        return f"for (const auto& part : {got}) read(part, {to}.emplace_back());"
     if field.repeated:
         return f"{to}.assign({got}.begin(), {got}.end());"
+    when = f"if (from.has_{field.name}()) " if _is_optional(field) else ""
+    if field.kind == "message":
+        return f"{when}read({got}, {to}{'.emplace()' if when else ''});"
+    if field.kind == "duration":
+        return f"{when}{to} = to_duration({got});"
     if field.kind == "enum":
         return f"{to} = static_cast<{_type(schema, field)}>({got});"
     return f"{to} = std::chrono::microseconds({got});" if field.is_time else f"{to} = {got};"
@@ -83,45 +134,57 @@ def _read(schema: Schema, field: Field) -> str:
 
 def _write(field: Field) -> str:
     got = f"from.{name_of(field)}"
-    if field.kind == "message":
-        return f"if ({got}) write(*{got}, *to.mutable_{field.name}());"
+    if field.kind == "message" and field.repeated:
+        return f"for (const auto& part : {got}) write(part, *to.add_{field.name}());"
     if field.repeated:
         return f"to.mutable_{field.name}()->Add({got}.begin(), {got}.end());"
-    if field.optional:
-        return f"if ({got}) to.set_{field.name}(*{got});"
+    when, value = (f"if ({got}) ", f"*{got}") if _is_optional(field) else ("", got)
+    if field.kind in ("message", "duration"):
+        return f"{when}write({value}, *to.mutable_{field.name}());"
     if field.kind == "enum":
-        got = f"static_cast<v1::{field.type}>({got})"
-    return f"to.set_{field.name}({got}{'.count()' if field.is_time else ''});"
+        value = f"static_cast<decltype(to.{field.name}())>({value})"
+    return f"{when}to.set_{field.name}({value}{'.count()' if field.is_time else ''});"
 
 
-def _writer(message: Message, local: str = "") -> list[str]:
-    name = message.name
-    return ["", f"{local}void write(const {name}& from, v1::{name}& to) {{",
-            *(f"  {_write(field)}" for field in message.fields), "}"]
+def _writer(schema: Schema, message: Message, local: str = "") -> list[str]:
+    name = _called(message.name)
+    return ["", f"{local}void write(const {name}& from, v1::{message.name}& to) {{",
+            *(f"  {_write(field)}" for field in _fields(schema, message)), "}"]
+
+
+def _conversion(schema: Schema, header: str, messages: list[Message],
+                roots: tuple[str, ...]) -> list[str]:
+    body = []
+    for message in messages:
+        local, name = "" if message.name in roots else "static ", _called(message.name)
+        body += ["", f"{local}void read(const v1::{message.name}& from, {name}& to) {{",
+                 *(f"  {_read(schema, field)}" for field in _fields(schema, message)), "}",
+                 *_writer(schema, message, local)]
+    return source([f'#include "{header}"'], "haptic::client", body)
 
 
 def state_conversion(schema: Schema) -> list[str]:
-    body = []
-    for message in schema.state:
-        name = message.name
-        local = "" if name == "DeviceState" else "static "
-        body += ["", f"{local}void read(const v1::{name}& from, {name}& to) {{",
-                 *(f"  {_read(schema, field)}" for field in message.fields), "}",
-                 *_writer(message, local)]
-    return source(['#include "convert_state.hpp"'], "haptic::client", body)
+    return _conversion(schema, "convert_state.hpp", schema.state, ("DeviceState",))
+
+
+def facts_conversion(schema: Schema) -> list[str]:
+    return _conversion(schema, "convert.hpp", schema.with_held(*_FACTS), _FACTS)
 
 
 def plane_conversion(schema: Schema) -> list[str]:
     told = [f"  to.{field.name} = from.{field.name}{' / coupling' if field.by_coupling else ''};"
             for field in schema.told]
     return source(['#include "convert.hpp"', '#include "told.hpp"'], "haptic::client", [
-        *_writer(schema.plane), "",
+        *_writer(schema, schema.plane), "",
         "void tell(const Contact& from, double coupling, Plane& to) {", *told, "}"])
 
 
 KINDS = {
     "cpp": state_header,                    # client::DeviceState
     "cpp_convert": state_conversion,        # to and from v1::DeviceState
+    "cpp_facts": facts_header,              # client::DeviceInfo, ServerInfo, LinkReport, Event
+    "cpp_facts_convert": facts_conversion,  # to and from their messages
+    "cpp_enums": enums_header,              # the enums in all of these
     "cpp_plane": plane_header,              # client::Plane
     "cpp_contact": contact_members,         # what client::Contact has of it
     "cpp_plane_convert": plane_conversion,  # to v1::Plane, and contact_at()'s part of it

@@ -6,8 +6,10 @@ import textwrap
 from google.protobuf import descriptor_pb2 as pb
 from google.protobuf import descriptor_pool, message_factory
 
-MADE = "Made of proto/haptic/v1/session.proto by proto/generate: nothing to edit here."
-_FILE_MESSAGE, _FILE_ENUM, _MESSAGE_FIELD = 4, 5, 2  # field numbers of descriptor.proto
+MADE = "Made of the messages in proto/haptic/v1 by proto/generate: nothing to edit here."
+# Field numbers of descriptor.proto.
+_FILE_MESSAGE, _FILE_ENUM, _MESSAGE_FIELD, _MESSAGE_ENUM, _ENUM_VALUE = 4, 5, 2, 4, 2
+_PICTURES = "haptic/v1/drawing.proto"  # of the page alone
 AXES = {"": "", "DOF": "per DoF", "ACTUATED": "per actuated DoF", "COORDINATE": "per coordinate"}
 
 
@@ -39,8 +41,8 @@ class Field:
 
     @property
     def is_time(self) -> bool:
-        """Microseconds."""
-        return self.name.endswith("_us")
+        """Whole microseconds."""
+        return self.kind == "uint64" and self.name.endswith("_us")
 
     def about(self, unit: str | None = None) -> str:
         """The comment, and [unit and axis]; `unit` if the language has it in another one."""
@@ -72,12 +74,13 @@ class Message:
 @dataclasses.dataclass(frozen=True)
 class Enum:
     """called: its name in the clients, "" if C++ has none. values: (NAME, number), without the
-    enum's name before NAME."""
+    enum's name before NAME; notes: a comment on each."""
 
     name: str
     called: str
     comment: str
     values: list[tuple[str, int]]
+    notes: list[str]
 
 
 class Schema:
@@ -92,8 +95,18 @@ class Schema:
         self.messages: dict[str, Message] = {}
         self.enums: dict[str, Enum] = {}
         for file in descriptors.file:
-            if file.package == "haptic.v1":
+            if file.package == "haptic.v1" and file.name != _PICTURES:
                 self._read(file)
+
+    def with_held(self, *names: str) -> list[Message]:
+        """The messages, each after those that it holds."""
+        unique = {}
+        for name in names:
+            held = [field.type for field in self.messages[name].fields
+                    if field.type in self.messages]
+            unique |= {message.name: message for message in self.with_held(*held)}
+            unique[name] = self.messages[name]
+        return list(unique.values())
 
     @property
     def state(self) -> list[Message]:
@@ -129,22 +142,26 @@ class Schema:
             fields = [self._field(message.name, field, comments.get((*path, _MESSAGE_FIELD, i), ""))
                       for i, field in enumerate(message.field)]
             self.messages[message.name] = Message(message.name, comments.get(path, ""), fields)
-            for enum in message.enum_type:
-                self._enum(enum, "")
+            for i, enum in enumerate(message.enum_type):
+                self._enum(enum, (*path, _MESSAGE_ENUM, i), comments)
         for index, enum in enumerate(file.enum_type):
-            self._enum(enum, comments.get((_FILE_ENUM, index), ""))
+            self._enum(enum, (_FILE_ENUM, index), comments)
 
-    def _enum(self, enum: pb.EnumDescriptorProto, comment: str) -> None:
+    def _enum(self, enum: pb.EnumDescriptorProto, path: tuple[int, ...],
+              comments: dict[tuple[int, ...], str]) -> None:
         prefix = capitals(enum.name) + "_"
         self.enums[enum.name] = Enum(
-            enum.name, self._options(enum, "EnumOptions")("called_enum"), comment,
-            [(value.name.removeprefix(prefix), value.number) for value in enum.value])
+            enum.name, self._options(enum, "EnumOptions")("called_enum"), comments.get(path, ""),
+            [(value.name.removeprefix(prefix), value.number) for value in enum.value],
+            [comments.get((*path, _ENUM_VALUE, i), "") for i in range(len(enum.value))])
 
     def _field(self, message: str, field: pb.FieldDescriptorProto, comment: str) -> Field:
         said = self._options(field, "FieldOptions")
         axes = self._pool.FindEnumTypeByName("haptic.v1.Axis").values_by_number
         axis = axes[said("axis")].name.removeprefix("AXIS_")
         kind = pb.FieldDescriptorProto.Type.Name(field.type).removeprefix("TYPE_").lower()
+        if field.type_name == ".google.protobuf.Duration":
+            kind = "duration"
         return Field(message, field.name, field.number, kind,
                      field.type_name.split(".")[-1], field.label == field.LABEL_REPEATED,
                      field.proto3_optional, "" if axis == "UNSPECIFIED" else axis, said("unit"),

@@ -60,8 +60,9 @@ forbid proto -- "haptic/core/|hw/|server/|haptic/client/|Eigen/|asio|grpc|grpcpp
   "wire knows std and OpenSSL"
 forbid client -- "haptic/core/|hw/|server/|Eigen/" "client knows neither core, hw nor server"
 allow client/include "$standard|\"haptic/client/" "client's public headers show only std"
-forbid client/c client/hapticctl client/examples -- "$grpc" \
+forbid client/c client/examples -- "$grpc" \
   "programs on the client library do without gRPC and protobuf"
+forbid client/hapticctl -- "grpc|grpcpp/" "hapticctl prints messages, and calls nothing itself"
 forbid client/c client/src client/include client/hapticctl client/examples -- \
   "mujoco/|haptic/mujoco/" "only client/mujoco knows MuJoCo"
 forbid server -- "haptic/client/|tests/" "server knows no client"

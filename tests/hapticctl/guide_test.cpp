@@ -2,10 +2,13 @@
 #include "calibration/guide.hpp"
 #include "tests/support/message_of.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <sstream>
+
+#include "google/protobuf/text_format.h"
 
 namespace haptic::ctl {
 namespace {
@@ -91,7 +94,7 @@ struct GuideRun : ::testing::Test {
             {[this] { EXPECT_FALSE(device.off) << "the hand has not been told yet"; }, ""},
             {[this] { EXPECT_TRUE(device.off) << "before the hand lets go"; }, ""}};
   }
-  CalibrationResult run(std::vector<Script::Step> steps) {
+  v1::Calibration run(std::vector<Script::Step> steps) {
     Script script(std::move(steps));
     std::istream answers(&script);
     Guide guide(device, answers, asked);
@@ -103,19 +106,19 @@ struct GuideRun : ::testing::Test {
 };
 
 TEST_F(GuideRun, FindsTheSensorsMeaning) {
-  const CalibrationResult result = run(good());
-  ASSERT_EQ(result.dofs.size(), 2u);
-  EXPECT_EQ(result.dofs[0].name, "l_x");
-  EXPECT_NEAR(result.dofs[0].scale, 1.25, 1e-12);
-  EXPECT_NEAR(result.dofs[0].offset, 0.004, 1e-12);
-  EXPECT_NEAR(result.dofs[0].lower, 0.001, 1e-12);
-  EXPECT_NEAR(result.dofs[0].upper, 0.049, 1e-12);
+  const v1::Calibration result = run(good());
+  ASSERT_EQ(result.dof_size(), 2);
+  EXPECT_EQ(result.dof(0).name(), "l_x");
+  EXPECT_NEAR(result.dof(0).scale(), 1.25, 1e-12);
+  EXPECT_NEAR(result.dof(0).offset(), 0.004, 1e-12);
+  EXPECT_NEAR(result.dof(0).lower(), 0.001, 1e-12);
+  EXPECT_NEAR(result.dof(0).upper(), 0.049, 1e-12);
   // A sensor that counts the other way: the ends of its readings change places.
-  EXPECT_NEAR(result.dofs[1].scale, -0.8, 1e-12);
-  EXPECT_NEAR(result.dofs[1].offset, 0.3, 1e-12);
-  EXPECT_NEAR(result.dofs[1].lower, -1.1, 1e-12);
-  EXPECT_NEAR(result.dofs[1].upper, 0.7, 1e-12) << "where it stood when the travel began";
-  EXPECT_EQ(result.force_zero, std::vector<double>{0.7});
+  EXPECT_NEAR(result.dof(1).scale(), -0.8, 1e-12);
+  EXPECT_NEAR(result.dof(1).offset(), 0.3, 1e-12);
+  EXPECT_NEAR(result.dof(1).lower(), -1.1, 1e-12);
+  EXPECT_NEAR(result.dof(1).upper(), 0.7, 1e-12) << "where it stood when the travel began";
+  EXPECT_THAT(result.force_zero(), testing::ElementsAre(0.7));
 }
 
 TEST_F(GuideRun, AsksAgainForAnUnusableAnswer) {
@@ -133,7 +136,7 @@ TEST_F(GuideRun, AsksAgainForAnUnusableAnswer) {
     device.off = false;
     auto steps = good();
     steps.insert(steps.begin(), first.begin(), first.end());
-    EXPECT_NEAR(run(steps).dofs[0].scale, 1.25, 1e-9) << says;
+    EXPECT_NEAR(run(steps).dof(0).scale(), 1.25, 1e-9) << says;
     EXPECT_NE(asked.str().find(says), std::string::npos) << asked.str();
   }
 }
@@ -151,7 +154,7 @@ TEST_F(GuideRun, QuestionsTravelBeyondTheRange) {
   steps[2] = {through({{-0.02, 0.0}, {0.049, 0.0}}), ""};
   const auto within = [this] { device.passed = {{0.0, 0.0}, {0.05, 0.0}}; };
   steps.insert(steps.begin() + 3, {within, ""});
-  EXPECT_NEAR(run(steps).dofs[0].lower, 0.0, 1e-12);
+  EXPECT_NEAR(run(steps).dof(0).lower(), 0.0, 1e-12);
   EXPECT_NE(asked.str().find("were the two places right?"), std::string::npos);
 }
 
@@ -168,13 +171,19 @@ TEST_F(GuideRun, EndsWhenToldTo) {
 }
 
 TEST(CalibrationFile, HoldsEveryNumberToTheBit) {
-  const CalibrationResult result{{{"l_x", 1.0 / 3.0, -0.1, 0.001, 0.049}}, {0.7}};
-  EXPECT_EQ(
-      to_textproto(result, "HX-\"1\"", "2026-11-21"),
-      "# proto-file: haptic/v1/calibration.proto\n# proto-message: haptic.v1.Calibration\n"
-      "# Written by hapticctl calibrate.\ndevice_serial: \"HX-\\\"1\\\"\"\ndate: \"2026-11-21\"\n"
-      "dof { name: \"l_x\" scale: 0.3333333333333333 offset: -0.1 lower: 0.001 upper: 0.049 "
-      "}\nforce_zero: 0.7\n");
+  v1::Calibration written, read;
+  written.set_device_serial("HX-\"1\"");
+  written.set_date("2026-11-21");
+  v1::Calibration::Dof& dof = *written.add_dof();
+  dof.set_name("l_x");
+  dof.set_scale(1.0 / 3.0);
+  dof.set_offset(-0.1);
+  written.add_force_zero(0.1 + 0.2);
+  const std::string text = to_textproto(written);
+  EXPECT_THAT(text, testing::StartsWith("# proto-file: haptic/v1/calibration.proto\n"
+                                        "# proto-message: haptic.v1.Calibration\n"));
+  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(text, &read));
+  EXPECT_EQ(read.SerializeAsString(), written.SerializeAsString());
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/src/convert.hpp"
-#include "haptic/client/state_fields.hpp"
+#include "message_json.hpp"
 
 namespace haptic::ctl {
 namespace {
@@ -47,6 +47,19 @@ client::DeviceState full_state() {
   return client::to_state(full_message());
 }
 
+/// Names of the fields, and of those of the messages in it.
+std::vector<std::string> names_in(const google::protobuf::Descriptor& type) {
+  std::vector<std::string> names;
+  for (int i = 0; i < type.field_count(); ++i) {
+    names.push_back(type.field(i)->name());
+    if (type.field(i)->message_type() == nullptr) continue;
+    for (std::string& inner : names_in(*type.field(i)->message_type())) {
+      names.push_back(std::move(inner) + " ");
+    }
+  }
+  return names;
+}
+
 std::string shown(const client::DeviceState& state, std::size_t width,
                   const client::DeviceInfo& device = slider()) {
   std::string all;
@@ -56,12 +69,8 @@ std::string shown(const client::DeviceState& state, std::size_t width,
 
 TEST(Table, ShowsEveryFieldOfAState) {
   const std::string all = shown(full_state(), 100);
-  for (const client::StateField& field : client::state_fields(slider(), full_state())) {
-    EXPECT_THAT(all, HasSubstr(field.name));
-    for (const client::StateField& inner :
-         field.messages.empty() ? std::vector<client::StateField>{} : field.messages.front()) {
-      EXPECT_THAT(all, HasSubstr(inner.name + " ")) << field.name;
-    }
+  for (const std::string& name : names_in(*v1::DeviceState::descriptor())) {
+    EXPECT_THAT(all, HasSubstr(name));
   }
 }
 
@@ -111,9 +120,10 @@ TEST(Line, NamesEachDof) {
 
 TEST(JsonLine, HasEveryFieldOfAState) {
   const auto json = state_json(slider(), full_state());
-  for (const client::StateField& field : client::state_fields(slider(), full_state())) {
-    ASSERT_TRUE(json.contains(field.name)) << field.name;
-    EXPECT_FALSE(json[field.name].is_null()) << field.name;
+  const auto& type = *v1::DeviceState::descriptor();
+  for (int i = 0; i < type.field_count(); ++i) {
+    ASSERT_TRUE(json.contains(type.field(i)->name())) << type.field(i)->name();
+    EXPECT_FALSE(json[type.field(i)->name()].is_null()) << type.field(i)->name();
   }
   EXPECT_EQ(json["q"], (nlohmann::json{0.125, -2.5}));
   EXPECT_EQ(json["actuator_limiters"], nlohmann::json::parse(R"([["SLEW", "ENVELOPE"]])"));
@@ -127,6 +137,16 @@ TEST(JsonLine, AbsentMessagesAndNansAreNull) {
   const auto json = state_json(slider(), client::to_state(message));
   EXPECT_TRUE(json["passivity"].is_null());
   EXPECT_TRUE(json["temperature_c"][0].is_null());
+}
+
+TEST(JsonLine, DurationsAreNumbersOfMicroseconds) {
+  v1::LinkDirection message;
+  message.mutable_jitter()->set_nanos(2500);
+  message.add_rejected()->set_reason("TAG");
+  const auto json = to_json(message);
+  EXPECT_EQ(json["jitter_us"], 2.5);
+  EXPECT_TRUE(json["longest_gap_us"].is_null());
+  EXPECT_EQ(json["rejected"][0]["reason"], "TAG");
 }
 
 TEST(JsonFields, SayAxisLabelsAndUnits) {

@@ -54,8 +54,9 @@ Harm measure(client::Connection& connection, std::uint16_t port, std::vector<Pac
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   harm.rate = static_cast<double>(flood.sent() - sent) / seconds;
-  harm.skipped = 1000.0 * static_cast<double>(after.skipped_ticks - before.skipped_ticks) /
-                 static_cast<double>(std::max<std::uint64_t>(1, after.ticks - before.ticks));
+  harm.skipped =
+      1000.0 * static_cast<double>(after.loop.skipped - before.loop.skipped) /
+      static_cast<double>(std::max<std::uint64_t>(1, after.loop.ticks - before.loop.ticks));
   flood.stop();
   EXPECT_FALSE(flood.answered());
   return harm;

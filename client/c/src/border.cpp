@@ -9,29 +9,13 @@ namespace haptic::c {
 
 namespace {
 
+/// The codes count down as the reasons count up.
 constexpr int code_of(client::ErrorReason reason) {
-  switch (reason) {
-    case client::ErrorReason::kUnreachable:
-      return HAPTIC_ERROR_UNREACHABLE;
-    case client::ErrorReason::kTimeout:
-      return HAPTIC_ERROR_TIMEOUT;
-    case client::ErrorReason::kNoSuchDevice:
-      return HAPTIC_ERROR_NO_SUCH_DEVICE;
-    case client::ErrorReason::kLeaseHeld:
-      return HAPTIC_ERROR_LEASE_HELD;
-    case client::ErrorReason::kInvalidArgument:
-      return HAPTIC_ERROR_INVALID_ARGUMENT;
-    case client::ErrorReason::kNotReady:
-      return HAPTIC_ERROR_NOT_READY;
-    case client::ErrorReason::kPermissionDenied:
-      return HAPTIC_ERROR_PERMISSION_DENIED;
-    case client::ErrorReason::kClosed:
-      return HAPTIC_ERROR_CLOSED;
-    case client::ErrorReason::kProtocol:
-      return HAPTIC_ERROR_PROTOCOL;
-  }
-  return HAPTIC_ERROR_INTERNAL;
+  return HAPTIC_ERROR_UNREACHABLE - static_cast<int>(reason);
 }
+static_assert(code_of(client::ErrorReason::kUnreachable) == HAPTIC_ERROR_UNREACHABLE &&
+              code_of(client::ErrorReason::kInvalidArgument) == HAPTIC_ERROR_INVALID_ARGUMENT &&
+              code_of(client::ErrorReason::kProtocol) == HAPTIC_ERROR_PROTOCOL);
 
 }  // namespace
 

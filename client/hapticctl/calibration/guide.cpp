@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <iomanip>
 #include <istream>
-#include <sstream>
-#include <tuple>
+#include <ostream>
+
+#include "google/protobuf/text_format.h"
 
 namespace haptic::ctl {
 namespace {
@@ -21,12 +21,6 @@ bool to_number(const std::string& text, double& value) {
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
   return result.ec == std::errc{} && result.ptr == text.data() + text.size() &&
          std::isfinite(value);
-}
-
-/// Digits that read back to the same bits.
-std::string shortest(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
 double range_of(const client::DegreeOfFreedom& dof) {
@@ -81,7 +75,7 @@ Guide::Place Guide::place(const Dof& dof, std::size_t index, const char* which, 
   return tried(dof.name + ": no place was found" + kAfterTries, [&]() -> std::optional<Place> {
     out_ << "Bring " << dof.name << " to a " << which
          << " place that you know, hold it still, and say "
-         << "where that is in " << dof.unit << " (Enter: " << shortest(otherwise)
+         << "where that is in " << dof.unit << " (Enter: " << otherwise
          << ", its end; q: give up)\n";
     const std::string said = answer();
     double truth = otherwise;
@@ -94,9 +88,9 @@ Guide::Place Guide::place(const Dof& dof, std::size_t index, const char* which, 
   });
 }
 
-void Guide::travel(const Dof& dof, std::size_t index, DofCalibration& found) {
+void Guide::travel(const Dof& dof, std::size_t index, v1::Calibration::Dof& found) {
   found = tried(dof.name + ": no travel was found" + kAfterTries,
-                [&]() -> std::optional<DofCalibration> {
+                [&]() -> std::optional<v1::Calibration::Dof> {
                   out_ << "Move " << dof.name << " to both its ends and back, then press Enter\n";
                   sensors_.begin();
                   static_cast<void>(answer());
@@ -105,29 +99,31 @@ void Guide::travel(const Dof& dof, std::size_t index, DofCalibration& found) {
                     out_ << "no samples came: is the device there?\n";
                     return std::nullopt;
                   }
-                  DofCalibration moved = found;
-                  std::tie(moved.lower, moved.upper) =
-                      std::minmax({found.scale * seen.lowest[index] + found.offset,
-                                   found.scale * seen.highest[index] + found.offset});
+                  const auto [lower, upper] =
+                      std::minmax({found.scale() * seen.lowest[index] + found.offset(),
+                                   found.scale() * seen.highest[index] + found.offset()});
                   const double margin = kBeyond * range_of(dof);
-                  if (moved.upper - moved.lower < kLeastApart * range_of(dof)) {
-                    out_ << "that were only " << moved.upper - moved.lower << ' ' << dof.unit
-                         << ", of " << range_of(dof) << '\n';
+                  if (upper - lower < kLeastApart * range_of(dof)) {
+                    out_ << "that were only " << upper - lower << ' ' << dof.unit << ", of "
+                         << range_of(dof) << '\n';
                     return std::nullopt;
                   }
-                  if (moved.lower < dof.lower - margin || moved.upper > dof.upper + margin) {
-                    out_ << "that was " << moved.lower << " to " << moved.upper << ' ' << dof.unit
+                  if (lower < dof.lower - margin || upper > dof.upper + margin) {
+                    out_ << "that was " << lower << " to " << upper << ' ' << dof.unit
                          << ", the scene allows " << dof.lower << " to " << dof.upper
                          << ": were the two places right?\n";
                     return std::nullopt;
                   }
+                  v1::Calibration::Dof moved = found;
+                  moved.set_lower(lower);
+                  moved.set_upper(upper);
                   return moved;
                 });
 }
 
-DofCalibration Guide::places(const Dof& dof, std::size_t index) {
+v1::Calibration::Dof Guide::places(const Dof& dof, std::size_t index) {
   const std::string failure = dof.name + ": the two places were never far enough apart";
-  return tried(failure, [&]() -> std::optional<DofCalibration> {
+  return tried(failure, [&]() -> std::optional<v1::Calibration::Dof> {
     const Place first = place(dof, index, "first", dof.lower);
     const Place second = place(dof, index, "second", dof.upper);
     const double apart = second.truth - first.truth;
@@ -141,7 +137,11 @@ DofCalibration Guide::places(const Dof& dof, std::size_t index) {
       return std::nullopt;
     }
     const double scale = apart / read;
-    return DofCalibration{dof.name, scale, first.truth - scale * first.reading};
+    v1::Calibration::Dof found;
+    found.set_name(dof.name);
+    found.set_scale(scale);
+    found.set_offset(first.truth - scale * first.reading);
+    return found;
   });
 }
 
@@ -159,29 +159,22 @@ std::vector<double> Guide::force_zero() {
   return sensors_.end().force;
 }
 
-CalibrationResult Guide::run(const std::vector<Dof>& dofs) {
-  CalibrationResult result;
+v1::Calibration Guide::run(const std::vector<Dof>& dofs) {
+  v1::Calibration result;
   for (std::size_t i = 0; i < dofs.size(); ++i) {
-    result.dofs.push_back(places(dofs[i], i));
-    travel(dofs[i], i, result.dofs.back());
+    *result.add_dof() = places(dofs[i], i);
+    travel(dofs[i], i, *result.mutable_dof(static_cast<int>(i)));
   }
-  result.force_zero = force_zero();
+  for (const double zero : force_zero()) result.add_force_zero(zero);
   return result;
 }
 
-std::string to_textproto(const CalibrationResult& result, const std::string& serial,
-                         const std::string& date) {
-  std::ostringstream text;
-  text << "# proto-file: haptic/v1/calibration.proto\n# proto-message: haptic.v1.Calibration\n"
-       << "# Written by hapticctl calibrate.\n"
-       << "device_serial: " << std::quoted(serial) << "\ndate: \"" << date << "\"\n";
-  for (const DofCalibration& dof : result.dofs) {
-    text << "dof { name: \"" << dof.name << "\" scale: " << shortest(dof.scale)
-         << " offset: " << shortest(dof.offset) << " lower: " << shortest(dof.lower)
-         << " upper: " << shortest(dof.upper) << " }\n";
-  }
-  for (const double zero : result.force_zero) text << "force_zero: " << shortest(zero) << "\n";
-  return text.str();
+std::string to_textproto(const v1::Calibration& calibration) {
+  std::string text;
+  google::protobuf::TextFormat::PrintToString(calibration, &text);
+  return "# proto-file: haptic/v1/calibration.proto\n# proto-message: haptic.v1.Calibration\n"
+         "# Written by hapticctl calibrate.\n" +
+         text;
 }
 
 }  // namespace haptic::ctl

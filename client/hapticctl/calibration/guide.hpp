@@ -15,19 +15,9 @@
 
 #include "calibration/sensors.hpp"
 #include "haptic/client/types.hpp"
+#include "haptic/v1/calibration.pb.h"
 
 namespace haptic::ctl {
-
-struct DofCalibration {
-  std::string name{};
-  double scale{1.0}, offset{0.0};  ///< 1, m or rad
-  double lower{0.0}, upper{0.0};   ///< m or rad
-};
-
-struct CalibrationResult {
-  std::vector<DofCalibration> dofs{};
-  std::vector<double> force_zero{};
-};
 
 /// The person gave up ("q", or the answers ended), or a step failed too often.
 class CalibrationAborted : public std::runtime_error {
@@ -47,8 +37,8 @@ class Guide {
   Guide(Sensors& sensors, std::istream& answers, std::ostream& questions)
       : sensors_(sensors), in_(answers), out_(questions) {}
 
-  /// Throws CalibrationAborted.
-  [[nodiscard]] CalibrationResult run(const std::vector<client::DegreeOfFreedom>& dofs);
+  /// The DoFs and force_zero of a calibration. Throws CalibrationAborted.
+  [[nodiscard]] v1::Calibration run(const std::vector<client::DegreeOfFreedom>& dofs);
   /// True if the person answers "y".
   [[nodiscard]] bool agrees(const std::string& question);
 
@@ -59,8 +49,8 @@ class Guide {
   using Dof = client::DegreeOfFreedom;
   /// A DoF in two places that are far enough apart, or moved through its travel, or in one place;
   /// each asks up to kTries times.
-  [[nodiscard]] DofCalibration places(const Dof& dof, std::size_t index);
-  void travel(const Dof& dof, std::size_t index, DofCalibration& found);
+  [[nodiscard]] v1::Calibration::Dof places(const Dof& dof, std::size_t index);
+  void travel(const Dof& dof, std::size_t index, v1::Calibration::Dof& found);
   [[nodiscard]] Place place(const Dof& dof, std::size_t index, const char* which, double otherwise);
   /// The reading of a DoF that is held still; nothing if it moved.
   [[nodiscard]] std::optional<double> still(const Dof& dof, std::size_t index);
@@ -72,8 +62,7 @@ class Guide {
   std::ostream& out_;
 };
 
-/// The file that hapticd reads (haptic/v1/calibration.proto). `date`: YYYY-MM-DD.
-[[nodiscard]] std::string to_textproto(const CalibrationResult& result, const std::string& serial,
-                                       const std::string& date);
+/// The file that hapticd reads; numbers read back to the same bits.
+[[nodiscard]] std::string to_textproto(const v1::Calibration& calibration);
 
 }  // namespace haptic::ctl

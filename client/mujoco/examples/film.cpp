@@ -94,7 +94,6 @@ class Stage {
   Stage(mjModel& model, const std::vector<mujoco::Binding>& bindings,
         const mujoco::ToolOptions& coupled, const client::DeviceInfo& device)
       : proxy_(&model),
-        touches_(model, bindings),
         data_(mj_makeData(&model), mj_deleteData),
         ghost_model_(mj_copyModel(nullptr, &model), mj_deleteModel),
         ghost_(mj_makeData(ghost_model_.get()), mj_deleteData) {
@@ -149,7 +148,7 @@ class Stage {
     int kept = first;
     for (int i = first; i < scene_.ngeom; ++i) {
       mjvGeom geom = scene_.geoms[i];
-      if (geom.objtype != mjOBJ_GEOM || !touches_.moves(ghost_model_->geom_bodyid[geom.objid])) {
+      if (geom.objtype != mjOBJ_GEOM || !tool_->moves(ghost_model_->geom_bodyid[geom.objid])) {
         continue;
       }
       const float blue[4] = {0.25F, 0.45F, 0.9F, kGhost};
@@ -208,7 +207,6 @@ class Stage {
 
   OffScreen screen_{};
   mjModel* proxy_;
-  Touches touches_;
   std::unique_ptr<mjData, decltype(&mj_deleteData)> data_;
   std::unique_ptr<mjModel, decltype(&mj_deleteModel)> ghost_model_;
   std::unique_ptr<mjData, decltype(&mj_deleteData)> ghost_;
@@ -228,30 +226,13 @@ double felt(const FilmFrame& frame) {
 
 }  // namespace
 
-Touches::Touches(const mjModel& model, const std::vector<mujoco::Binding>& bindings)
-    : moves_(static_cast<std::size_t>(model.nbody), 0) {
-  for (const mujoco::Binding& binding : bindings) {
-    int body = -1;
-    if (binding.kind == mujoco::Binding::Kind::kJoint) {
-      body = model.jnt_bodyid[mj_name2id(&model, mjOBJ_JOINT, binding.name.c_str())];
-    } else if (const int site = mj_name2id(&model, mjOBJ_SITE, binding.name.c_str()); site >= 0) {
-      body = model.site_bodyid[site];
-    } else {
-      body = mj_name2id(&model, mjOBJ_BODY, binding.name.c_str());
-    }
-    moves_[static_cast<std::size_t>(body)] = 1;
-  }
-  for (int body = 1; body < model.nbody; ++body) {  // parents come first
-    if (moves(model.body_parentid[body])) moves_[static_cast<std::size_t>(body)] = 1;
-  }
-}
-
-std::vector<Touch> Touches::of(const mjModel& model, const mjData& data) const {
+std::vector<Touch> touches_of(const mjModel& model, const mjData& data, const mujoco::Tool& tool) {
   std::vector<Touch> found;
   for (int i = 0; i < data.ncon; ++i) {
     const mjContact& contact = data.contact[i];
-    const bool first = moves(model.geom_bodyid[contact.geom1]);
-    if (contact.efc_address < 0 || (!first && !moves(model.geom_bodyid[contact.geom2]))) continue;
+    if (contact.efc_address < 0 || contact.geom1 < 0 || contact.geom2 < 0) continue;
+    const bool first = tool.moves(model.geom_bodyid[contact.geom1]);
+    if (!first && !tool.moves(model.geom_bodyid[contact.geom2])) continue;
     mjtNum force[6];
     mj_contactForce(&model, &data, i, force);
     if (!(force[0] > 0.0)) continue;

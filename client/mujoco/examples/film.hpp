@@ -19,17 +19,9 @@ struct Touch {
   double force[3];
 };
 
-/// Which contacts of a model are the tool's.
-class Touches {
- public:
-  Touches(const mjModel& model, const std::vector<mujoco::Binding>& bindings);
-  /// All that press now.
-  [[nodiscard]] std::vector<Touch> of(const mjModel& model, const mjData& data) const;
-  [[nodiscard]] bool moves(int body) const { return moves_[static_cast<std::size_t>(body)] != 0; }
-
- private:
-  std::vector<char> moves_;
-};
+/// All contacts of the tool that press now.
+[[nodiscard]] std::vector<Touch> touches_of(const mjModel& model, const mjData& data,
+                                            const mujoco::Tool& tool);
 
 struct FilmFrame {
   std::vector<mjtNum> qpos{};

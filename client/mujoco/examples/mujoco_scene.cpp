@@ -55,7 +55,6 @@ int touch(client::Connection& server, const Options& options) {
   const mujoco::ToolOptions coupled{.coupling = options.coupling > 0.0 ? options.coupling
                                                                        : coupling_of(*model)};
   mujoco::Tool tool(model.get(), data.get(), bindings, coupled);
-  const examples::Touches touches(*model, bindings);
   session->engage_when_ready();
   std::vector<examples::FilmFrame> frames;
   std::size_t most = 0, steps = 0;
@@ -65,7 +64,7 @@ int touch(client::Connection& server, const Options& options) {
        ++i) {
     const client::DeviceState state = session->wait_for_state();
     session->publish(tool.step(state.x_probe, 1.0 / kRate, session->round_trip()));
-    std::vector<examples::Touch> touched = touches.of(*model, *data);
+    std::vector<examples::Touch> touched = examples::touches_of(*model, *data, tool);
     const std::size_t contacts = touched.size();
     most = std::max(most, contacts);
     ++steps;

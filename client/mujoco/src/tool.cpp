@@ -264,6 +264,9 @@ void Tool::restart() {
 bool Tool::following() const noexcept {
   return state_->aimed.following();
 }
+bool Tool::moves(int body) const {
+  return state_->tool.moves(body);
+}
 
 client::Proxy Tool::step(const std::vector<double>& x_probe, double period,
                          nanoseconds round_trip) {

@@ -50,7 +50,7 @@ std::vector<Leaf> leaves(const pb::Descriptor& message) {
   std::vector<Leaf> found;
   for (int i = 0; i < message.field_count(); ++i) {
     const pb::FieldDescriptor* const field = message.field(i);
-    if (field->message_type() == nullptr || field->is_repeated()) {
+    if (field->message_type() == nullptr) {
       found.push_back({field->name(), nullptr, field, field->options().GetExtension(v1::axis)});
       continue;
     }
@@ -104,8 +104,16 @@ void append_value(const pb::Message& held, const pb::FieldDescriptor& field, int
       }
       return;
     }
-    case pb::FieldDescriptor::CPPTYPE_MESSAGE:
-      text += r.GetRepeatedMessage(held, &field, index).ShortDebugString();
+    case pb::FieldDescriptor::CPPTYPE_INT32:
+      return append_number(
+          repeated ? r.GetRepeatedInt32(held, &field, index) : r.GetInt32(held, &field), text);
+    case pb::FieldDescriptor::CPPTYPE_BOOL:
+      text += (repeated ? r.GetRepeatedBool(held, &field, index) : r.GetBool(held, &field))
+                  ? "true"
+                  : "false";
+      return;
+    case pb::FieldDescriptor::CPPTYPE_STRING:
+      text += repeated ? r.GetRepeatedString(held, &field, index) : r.GetString(held, &field);
       return;
     default:
       // A type that no field here has so far: the test of the schema names the field.

@@ -20,7 +20,6 @@
 #include "haptic/client/contact.hpp"
 #include "haptic/client/error.hpp"
 #include "haptic/client/estimator.hpp"
-#include "haptic/client/link.hpp"
 #include "haptic/client/planes.hpp"
 #include "haptic/client/pose.hpp"
 #include "haptic/client/session.hpp"

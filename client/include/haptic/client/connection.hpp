@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "haptic/client/link.hpp"
 #include "haptic/client/session.hpp"
 #include "haptic/client/watch.hpp"
 

@@ -43,9 +43,6 @@ enum class Reconnect : std::uint8_t {
   kWithBackoff
 };
 
-/// A controller with a higher priority takes the device from one with a lower priority.
-enum class Priority : std::uint8_t { kTest = 1, kPrimary = 2, kOperator = 3 };
-
 /// Which carriers a session may use. The gRPC stream stays open in every case.
 enum class Carriers : std::uint8_t {
   kAutomatic,  ///< UDP while the server offers it and it works, otherwise the stream
@@ -89,7 +86,7 @@ struct SessionOptions {
 /// s/m or N m s/rad, limits of the force in N or N m and of its slope in N/s or N m/s.
 struct Settings {
   std::vector<double> stiffness{}, damping{}, force_limit{}, slew_limit{};  ///< empty: unchanged
-  Renderer renderer{Renderer::kUnchanged};
+  Renderer renderer{Renderer::kNone};                                       ///< kNone: unchanged
   std::optional<bool> direction_guard{};  ///< whether the direction guard acts; empty: unchanged
 };
 

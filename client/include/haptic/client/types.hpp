@@ -10,79 +10,19 @@
 #include <utility>
 #include <vector>
 
+#include "haptic/client/facts.hpp"
 #include "haptic/client/plane.hpp"
 #include "haptic/client/state.hpp"
 
 namespace haptic::client {
 
-/// How force is computed from proxy and probe; equations as in core/METHOD.md.
-enum class Renderer : std::uint8_t {
-  kUnchanged = 0,
-  kStandard = 1,        ///< a spring in the virtual space, Eq. (1)
-  kNullSpace = 2,       ///< the same without what the unactuated DoFs feel, Eq. (3)-(4)
-  kSubspaceLinear = 3,  ///< the subspace proxy, linearised, Eq. (7)-(8)
-  kSubspaceExact = 4,   ///< the subspace proxy, Eq. (6)
-  kPerContact = 5,      ///< Eq. (8), held back if it would push into a contact
-};
-
-struct DegreeOfFreedom {
-  std::string name{}, unit{};  ///< unit "m" or "rad"
-  bool actuated{false};
-  double lower{0.0}, upper{0.0};  ///< its range, m or rad
-  double max_effort{0.0};         ///< N or N m
-};
-
-struct VirtualCoordinate {
-  std::string name{}, unit{};
-  std::string kind{};  ///< "linear", "angle" (wraps) or "quaternion" (four in a row)
-};
-
-struct DeviceInfo {
-  std::string name{}, kind{}, model{}, serial{};
-  bool moves{true};          ///< false: a recording, which no force moves
-  std::string calibrated{};  ///< day of the calibration in use; empty: none is
-  bool measures_force{false};
-  std::vector<DegreeOfFreedom> dofs{};
-  std::vector<VirtualCoordinate> coordinates{};
-  /// The most that Session::update() may set, per actuated DoF; see Settings.
-  std::vector<double> stiffness_limit{}, damping_limit{}, force_limit{}, slew_limit{};
-  /// Engage is refused while the spring's force would be larger, N or N m per actuated DoF.
-  std::vector<double> engage_window{};
-  double loop_rate_hz{0.0};
-  Lifecycle state{Lifecycle::kUnknown};
-  std::uint32_t faults{0};
-  std::string controller{};  ///< client_name of the session that has the lease; empty: none
-  Renderer renderer{Renderer::kUnchanged};
-  unsigned observers{0};
-  bool wants_tracker{false};  ///< a session with SessionOptions::tracker has to publish poses
-  std::string tracker{};      ///< client_name of that session; empty: none
-  /// Safeguards that the scene leaves out: "direction_guard", "energy_tank"; empty: it has both.
-  std::vector<std::string> unguarded{};
-};
-
-struct ServerInfo {
-  std::string version{}, protocol{}, scene{};
-  std::string realtime_grade{}, realtime_explanation{};  ///< which real-time rights it was given
-  std::vector<std::string> insecure{};  ///< what is not protected, for people; empty: nothing
-  std::uint64_t ticks{0}, skipped_ticks{0};
-  std::uint64_t records_dropped{0};  ///< ticks that are missing in recording and telemetry
-  /// How late ticks began, over the last 10 s.
-  double lateness_p50_us{0.0}, lateness_p99_us{0.0}, lateness_max_us{0.0};
-  double tick_p50_us{0.0}, tick_p99_us{0.0};  ///< how long their computation took
-  std::string paced_by{};            ///< the device whose samples begin ticks; empty: the timer
-  std::uint64_t paced_by_sample{0};  ///< number of ticks that began so
-  unsigned sessions{0};
-  std::chrono::nanoseconds uptime{0};
-};
-
-/// Something that happened once.
-struct Event {
-  unsigned kind{0};       ///< an Event.Kind of session.proto
-  std::string reason{};   ///< for programs: "ENGAGED -> ARMED", "EMERGENCY_STOP", ...
-  std::string message{};  ///< for people
-  Lifecycle state{Lifecycle::kUnknown};
-  std::int64_t server_time_ns{0};
-};
+[[nodiscard]] const char* name(Lifecycle state) noexcept;      ///< "ENGAGED"
+[[nodiscard]] const char* name(Staleness staleness) noexcept;  ///< "FRESH"
+[[nodiscard]] const char* name(Carrier carrier) noexcept;      ///< "GRPC"
+/// The names of the bits of DeviceState::faults and DeviceState::limiters, for example
+/// {"LOOP_LATE", "EMERGENCY_STOP"}. A bit that this library does not know is named by its number.
+[[nodiscard]] std::vector<std::string> fault_names(std::uint32_t faults);
+[[nodiscard]] std::vector<std::string> limiter_names(std::uint32_t limiters);
 
 /// Where the simulation's objects let the probe be; made by held(), behind() or free().
 struct Proxy {

@@ -102,6 +102,8 @@ class Tool {
 
   /// True if the tool follows the probe; false: it is on its way there, see ToolOptions::jump_m.
   [[nodiscard]] bool following() const noexcept;
+  /// True of the model's bodies that are the tool's.
+  [[nodiscard]] bool moves(int body) const;
 
  private:
   struct State;

@@ -43,7 +43,7 @@ struct Leaf {
   v1::Axis axis{v1::AXIS_UNSPECIFIED};
 };
 
-/// In the order of declaration. A repeated message is one leaf.
+/// In the order of declaration. No message in it may be repeated.
 [[nodiscard]] std::vector<Leaf> leaves(const google::protobuf::Descriptor& message);
 /// The message that holds the leaf's field; null: it is absent.
 [[nodiscard]] const google::protobuf::Message* holder(const google::protobuf::Message& message,
@@ -51,8 +51,7 @@ struct Leaf {
 /// Number of values: 0 or 1 of a field that is not repeated.
 [[nodiscard]] int count(const google::protobuf::Message& message, const Leaf& leaf);
 /// Value `index` of the field as text without commas: a number that reads back to the same bits,
-/// the name of an enum's value, the names of set bits joined by '|', a message in protobuf's short
-/// form.
+/// the name of an enum's value, the names of set bits joined by '|'. Not of a message.
 void append_value(const google::protobuf::Message& holder,
                   const google::protobuf::FieldDescriptor& field, int index, std::string& text);
 

@@ -26,6 +26,7 @@ const std::string kQb = "dof { name: \"q_B\" scale: -0.9 offset: 0.1 lower: -1.2
 
 TEST_F(CalibratedScene, TheOrderOfDofsIsFree) {
   write(kHead + kQb + kLx + "force_zero: 0.4\n");
+  expect_resolved(parse(scene()), "calibration_file: \"" + file_.path().string());
   const hw::board::Calibration c = calibration();
   EXPECT_EQ(c.serial, "HX-7");
   EXPECT_EQ(c.date, "2026-11-21");
@@ -34,12 +35,6 @@ TEST_F(CalibratedScene, TheOrderOfDofsIsFree) {
   EXPECT_EQ(c.scale[1], -0.9);
   EXPECT_EQ(c.upper[1], 0.6);
   EXPECT_EQ(c.force_zero[0], 0.4);
-}
-
-TEST_F(CalibratedScene, TheResolvedFileIsAbsolute) {
-  write(kHead + kLx + kQb);
-  const server::Scene scene = parse(this->scene());
-  expect_resolved(scene, "calibration_file: \"" + file_.path().string());
 }
 
 TEST_F(CalibratedScene, AdmittancesKeepTheCalibratedTravel) {

@@ -2,7 +2,6 @@
 #include <Eigen/Core>
 
 #include "hw/board/board_device.hpp"
-#include "tests/server/owner/scene/scene_run.hpp"
 #include "tests/server/owner/scene/scene_text.hpp"
 
 namespace haptic::test {
@@ -144,32 +143,6 @@ TEST(MetricScene, AMatrixJoinsMetresAndRadians) {
   EXPECT_EQ(error_of(with_option(unneeded, "metric { W: [1e4, 20, 20, 1] }")), "no error");
 }
 
-/// One actuated DoF along (1, 1), the proxy (0.01, -0.02): W decides which error remains,
-/// q* = 1^T W x / 1^T W 1.
-TEST(MetricScene, TheRendererMeasuresByIt) {
-  const server::Scene scene = parse(R"(name: "t"
-device {
-  name: "d"
-  simulated_linear { mass: 1 damping: 50 hand_stiffness: 1000 max_effort: 5 }
-  linear {
-    dof { name: "s" unit: "m" actuated: true lower: -1 upper: 1 }
-    coordinate { name: "x" unit: "m" }
-    coordinate { name: "y" unit: "m" }
-    A: [1, 1]
-  }
-  impedance { stiffness_n_per_m: 5 }
-  limits { force_n: 2 }
-  subspace_exact {}
-  metric { W: [3, 0.5, 0.5, 1] }
-}
-)");
-  SceneRun run(scene.devices[0]);
-  run.engage();
-  run.hold_at((core::VecX(2) << 0.01, -0.02).finished());
-  // (3.5 0.01 - 1.5 0.02) / 5
-  EXPECT_NEAR(run.run(30).effort.q_star[0], 0.001, 1e-12);
-}
-
 TEST(TrackerScene, ItsDofsAreThePalms) {
   const server::Scene scene = parse(kOnAPalm);
   const server::DeviceScene& device = scene.devices.front();
@@ -196,19 +169,19 @@ TEST(TrackerScene, ItsLimitsAreItsOwn) {
 }
 
 TEST(DeviceOptions, ErrorsNamePlaceValueAndRule) {
+  const std::string d = "device[0].";
+  expect_each_value_says({
+      {kFinger, d + "passivity.tank.initial_j=0.06", "must be at most capacity_j"},
+      {kFinger, d + "passivity.tank.capacity_j=0", "must be > 0"},
+      {kFinger, d + "passivity.tank.allowed_power_w=-1", "must be >= 0"},
+      {kFinger, d + "passivity.device_damping_n_s_per_m=[1, 2]", "must have one value per"},
+      {kFinger, d + "passivity.observer.inertia_kg[0]=0", "must be > 0"},
+      {kFinger, d + "limits.power_w[0]=0", "must be > 0"},
+      {kFinger, d + "limits.power_w=[1, 2]", "must have one value per"},
+      {kFinger, d + "limits.rate_m_per_s[0]=-1", "must be > 0"},
+  });
   const auto finger = [](const std::string& option) { return with_option(kFinger, option); };
   expect_each_says({
-      {"initial", finger("passivity { tank { initial_j: 0.06 } }"),
-       "initial_j = 0.06: must be at most capacity_j"},
-      {"capacity", finger("passivity { tank { capacity_j: 0 } }"), "capacity_j = 0: must be > 0"},
-      {"power", finger("passivity { tank { allowed_power_w: -1 } }"), "allowed_power_w = -1"},
-      {"damping", finger("passivity { tank {} device_damping_n_s_per_m: [1, 2] }"),
-       "device_damping_n_s_per_m = [1, 2]"},
-      {"inertia", finger("passivity { observer { inertia_kg: 0 } }"), "inertia_kg[0] = 0"},
-      {"rating", with_limits("power_w: 0"), "device[0].limits.power_w[0] = 0: must be > 0"},
-      {"ratings", with_limits("power_w: [1, 2]"), "device[0].limits.power_w = [1, 2]"},
-      {"rate", with_limits("rate_m_per_s: -1"),
-       "device[0].limits.rate_m_per_s[0] = -1: must be > 0"},
       {"motor", with_limits("thermal { winding_k_per_w: 6 winding_time_s: 12 limit_c: 105 }"),
        "device[0].limits.thermal[0].motor_constant: is required"},
       {"ambient", with_limits(kThermal + "ambient_c: 110 }"),

@@ -10,17 +10,10 @@ std::string device_with(const std::string& kinematics) {
          kinematics + "\n  impedance { stiffness_n_per_m: [5] }\n  limits { force_n: [2] }\n}\n";
 }
 
-struct BadKinematics {
-  const char* what;
-  std::string kinematics;
-  const char* says;
-};
-
-void expect_each_map_says(const std::vector<BadKinematics>& table) {
-  for (const BadKinematics& bad : table) {
-    SCOPED_TRACE(bad.what);
-    expect_says(device_with(bad.kinematics), bad.says);
-  }
+/// Calls expect_each_says() with each row's kinematics in a device.
+void expect_each_map_says(std::vector<BadScene> table) {
+  for (BadScene& bad : table) bad.text = device_with(bad.text);
+  expect_each_says(table);
 }
 
 const std::string kPoint = " output { name: \"tip\" point { position_m: [0.1, 0.2, 0.3] } }";
@@ -48,11 +41,6 @@ TEST(KinematicsErrors, ChainNamesPlaceAndRule) {
        "device[0].serial_chain = { ... }: joint base: the name is taken by the fixed frame"},
       {"axis", chain(a + b + "axis: [0, 1] }"),
        "joint[1].axis = [0, 1]: must have one value per axis, 3"},
-      {"no axis", chain(a + b + "axis: [0, 0, 0] }"),
-       "device[0].serial_chain = { ... }: joint b.axis of length 0.000000: must be finite and not "
-       "zero"},
-      {"parent", chain(a + b + "parent: \"c\" }"),
-       "joint b.parent = c: must be \"base\" or a joint given before"},
       {"orientation", chain(a + b + "origin { orientation: [0, 0, 0, 0] } }"),
        "joint[1].origin.orientation = [0, 0, 0, 0]: must be a quaternion other than zero"},
       {"position", chain(a + b + "origin { position_m: [0, nan, 0] } }"),
@@ -61,11 +49,6 @@ TEST(KinematicsErrors, ChainNamesPlaceAndRule) {
        "device[0].serial_chain.output[0].what: is required: one of point, frame"},
       {"a frame without W", "serial_chain { " + a + b + "} output { name: \"tip\" frame {} } }",
        "device[0].metric: is required: x holds metres and radians"},
-      {"link", "serial_chain { " + a + b + "} output { name: \"tip\" link: \"c\" point {} } }",
-       "output tip.link = c: must be \"base\" or a joint given before"},
-      {"what nothing moves",
-       "serial_chain { " + a + b + "} output { name: \"tip\" link: \"base\" point {} } }",
-       "output tip.link = base: nothing moves it"},
       {"nothing actuated", chain(b + "}"), "device without an actuated DoF"},
       {"palm", chain("palm { position_lower_m: 2 } " + a),
        "palm.position_upper_m = 1: must be above its lower limit, 2"},
@@ -79,10 +62,6 @@ TEST(KinematicsErrors, StylusNamesPlaceAndRule) {
       {"limits", "stylus { elbow_upper_rad: -3" + kPoint + " }",
        "device[0].stylus = { ... }: joint elbow from -2.400000 to -3.000000"},
       {"no output", "stylus {}", "device[0].stylus.output: is required: at least one"},
-      {"link", "stylus { output { name: \"a\" link: \"hip\" point {} } }",
-       "output a.link = hip: must be \"base\" or a joint given before"},
-      {"a frame without W", "stylus { output { name: \"a\" frame {} } }",
-       "device[0].metric: is required: x holds metres and radians"},
       {"masses", "stylus {" + kPoint + " }",
        "device[0].simulated_linear.mass = [1, 1]: must have one value per DoF, 6"},
   });
@@ -91,13 +70,9 @@ TEST(KinematicsErrors, StylusNamesPlaceAndRule) {
 TEST(KinematicsErrors, HandNamesPlaceAndRule) {
   const std::string finger = " finger { name: \"a\" } ";
   EXPECT_EQ(error_of(device_with("hand_exoskeleton {" + finger + "}")), "no error");
-  std::string thirteen;
-  for (int i = 0; i < 13; ++i) thirteen += "finger { name: \"f" + std::to_string(i) + "\" } ";
   expect_each_map_says({
       {"no finger", "hand_exoskeleton {}",
        "t.textproto:5: device[0].hand_exoskeleton.finger: is required: 1 to 12"},
-      {"too many", "hand_exoskeleton { " + thirteen + "}",
-       "device[0].hand_exoskeleton = { ... }: hand with 13 fingers: must have 1 to 12"},
       {"size", "hand_exoskeleton { finger { name: \"a\" size: 0 } }",
        "device[0].hand_exoskeleton.finger[0].size = 0: must be > 0"},
       {"dimension", "hand_exoskeleton { finger { name: \"a\" dimensions { rod1_m: -1 } } }",
@@ -112,14 +87,9 @@ TEST(KinematicsErrors, HandNamesPlaceAndRule) {
       {"phalanx",
        "tracked_hand {" + finger + "output { name: \"t\" finger: \"a\" phalanx: \"x\" point {} } }",
        "output[0].phalanx = \"x\": must be \"proximal\" or \"middle\""},
-      {"finger", "tracked_hand {" + finger + "output { name: \"t\" finger: \"b\" point {} } }",
-       "output t.finger = b: must be one of the hand's"},
       {"mount",
        "tracked_hand { finger { name: \"a\" mount { orientation: [1, 0, 0] } }" + kPoint + " }",
        "finger[0].mount.orientation = [1, 0, 0]: must have one value per part x, y, z, w, 4"},
-      {"a frame without W",
-       "tracked_hand {" + finger + "output { name: \"t\" finger: \"a\" frame {} } }",
-       "device[0].metric: is required: x holds metres and radians"},
   });
 }
 

@@ -1,17 +1,10 @@
-/// The scenes of the general kinematics, each through the real Pipeline: on simulated masses, and
-/// on a recording.
+/// The scenes of the general kinematics, each through the real Pipeline, on simulated masses.
 
 #include <Eigen/LU>
-#include <cmath>
-#include <iomanip>
-#include <numbers>
-#include <sstream>
 
-#include "hw/replay/replay.hpp"
 #include "hw/simulated/linear.hpp"
 #include "tests/server/owner/scene/scene_run.hpp"
 #include "tests/server/owner/scene/scene_text.hpp"
-#include "tests/support/temporary_file.hpp"
 
 namespace haptic::test {
 namespace {
@@ -49,7 +42,7 @@ hw::SimulatedLinearConfig masses_of(const server::DeviceScene& device) {
 
 class KinematicsScenes : public testing::TestWithParam<Expected> {
  protected:
-  server::Scene scene = server::load_scene(kScenes / (std::string(GetParam().file) + ".textproto"));
+  server::Scene scene = shipped_scene(GetParam().file);
   const server::DeviceScene& device = scene.devices.front();
   const core::DofLayout& layout = device.pipeline.kinematics->layout();
   const hw::SimulatedLinearConfig masses = masses_of(device);
@@ -99,18 +92,6 @@ TEST_P(KinematicsScenes, DescribeTheDevice) {
             !device.pipeline.kinematics->space().mixes_units());
 }
 
-TEST_P(KinematicsScenes, AProxyAtProbeIsForceless) {
-  SceneRun run(device, masses);
-  run.engage();
-  for (int i = 0; i < 200; ++i) {
-    const core::TickRecord& record = run.tick();
-    expect_a_sound_tick(record);
-    EXPECT_LT(
-        (record.effort.tau_a.array() / device.pipeline.scene.force_limit.array()).abs().maxCoeff(),
-        1e-9);
-  }
-}
-
 /// Full rank: at rest K (q*_a - q_a) = K_h (q_a - target), with q*_a the proxy's own pose, whatever
 /// the sensed DoFs do. Otherwise: at rest, and nearer to the proxy.
 TEST_P(KinematicsScenes, AHeldProxyBalancesTheForces) {
@@ -145,48 +126,6 @@ TEST_P(KinematicsScenes, AHeldProxyBalancesTheForces) {
     device.pipeline.kinematics->space().difference(record.anchor.x, record.anchor.x_probe, dx);
     EXPECT_LT(dx.norm(), 0.8 * distance_before);
   }
-}
-
-/// The user's own motion, all DoFs at once: 2 s about `rest`, by `amplitude` and back.
-std::string recording(const core::Kinematics& kinematics, const VecQ& rest, const VecQ& amplitude) {
-  std::ostringstream csv;
-  csv << std::setprecision(17) << "time_s";
-  for (const core::DofSpec& dof : kinematics.dofs()) csv << ',' << dof.name;
-  for (int row = 0; row <= 200; ++row) {
-    csv << '\n' << 0.01 * row;
-    for (int i = 0; i < rest.size(); ++i) {
-      const double phase = 2.0 * std::numbers::pi * 0.01 * row * (1.0 + 0.1 * i);
-      csv << ',' << rest[i] + amplitude[i] * std::sin(phase);
-    }
-  }
-  return csv.str() + "\n";
-}
-
-TEST_P(KinematicsScenes, RecordingFollowsEquationsSixAndSeven) {
-  const TemporaryFile file(recording(*device.pipeline.kinematics, masses.target,
-                                     0.7 * (beside_the_target() - masses.target)),
-                           std::string(GetParam().file) + ".csv");
-  hw::ReplayConfig recorded;
-  recorded.file = file.path();
-  recorded.repeat = true;
-  recorded.max_effort = masses.max_effort;
-  SceneRun run(device, recorded);
-  run.engage();
-  double largest = 0.0;
-  int unlimited = 0;
-  for (int i = 0; i < 1200; ++i) {
-    const core::TickRecord& record = run.tick();
-    expect_a_sound_tick(record);
-    if (record.life.gain < 1.0 || record.limiters().any()) continue;
-    ++unlimited;
-    // Z_q S (q* - q), and nothing else where no limiter acts.
-    const VecA elastic =
-        Z_q() * (layout.select(record.effort.q_star) - layout.select(record.sensed.q));
-    EXPECT_LT((record.effort.tau_elastic - elastic).norm(), 1e-9);
-    largest = std::max(largest, elastic.cwiseAbs().maxCoeff());
-  }
-  EXPECT_GT(unlimited, 1000);
-  EXPECT_GT(largest, 0.05 * device.pipeline.scene.force_limit.minCoeff());
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, KinematicsScenes,

@@ -1,13 +1,9 @@
 // A device that the product does not know: its configuration alone connects it, and no file outside
 // the recipe of CONTRIBUTING.md#adding-a-device names a device.
-#include <fstream>
 #include <regex>
 #include <set>
-#include <sstream>
 
 #include "haptic/v1/scene.pb.h"
-#include "hw/bookkeeping.hpp"
-#include "hw/device_limits.hpp"
 #include "tests/server/owner/scene/scene_run.hpp"
 #include "tests/server/owner/scene/scene_text.hpp"
 
@@ -19,63 +15,8 @@ namespace haptic::test {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace std::chrono_literals;
-
-struct PlateConfig final : hw::DeviceConfig {
-  [[nodiscard]] std::unique_ptr<hw::Device> open(std::shared_ptr<const core::Kinematics> kinematics,
-                                                 core::Duration longest_lateness) const override;
-  [[nodiscard]] core::VecA effort() const override { return core::VecA::Constant(1, 5.0); }
-  [[nodiscard]] bool has_sample_clock() const noexcept override { return true; }
-};
-
-/// Rests at q = 0, samples by a clock of its own, and stops 15 ms after the last command.
-class Plate final : public hw::Device {
- public:
-  Plate(const PlateConfig& config, const core::Kinematics& kinematics, core::Duration lateness) {
-    if (lateness >= 15ms) throw core::DeviceError("watchdog = 15 ms: must be above lateness");
-    info_.limits = hw::device_limits(kinematics, config.effort());
-    info_.dofs = kinematics.dofs();
-    q_ = core::VecQ::Zero(kinematics.layout().n_q());
-  }
-  [[nodiscard]] const hw::DeviceInfo& info() const noexcept override { return info_; }
-  void read(core::TimePoint now, core::DeviceReading& reading) noexcept override {
-    if (book_.begin_read(now, reading)) book_.deliver(now, q_, reading);
-  }
-  void write(core::TimePoint, const hw::Command& command) noexcept override {
-    static_cast<void>(book_.follows(command));
-  }
-  void close() noexcept override { book_.close(); }
-  [[nodiscard]] hw::SampleSignal* sample_signal() noexcept override { return &signal_; }
-
- private:
-  hw::DeviceInfo info_{};
-  hw::Bookkeeping book_{};
-  hw::SampleSignal signal_{};
-  core::VecQ q_{};
-};
-
-std::unique_ptr<hw::Device> PlateConfig::open(std::shared_ptr<const core::Kinematics> kinematics,
-                                              core::Duration longest_lateness) const {
-  return std::make_unique<Plate>(*this, *kinematics, longest_lateness);
-}
 
 TEST(NewDevice, ItsConfigurationAloneConnectsIt) {
-  const server::Scene scene = parse(kLinear);
-  const PlateConfig plate;
-  SceneRun run(scene.devices[0], plate);
-  run.engage();
-  run.hold_at(core::VecX::Constant(1, 0.1));
-  run.run(200);
-  EXPECT_GT(run.record().effort.tau_a[0], 0.1);
-
-  const auto kinematics = scene.devices[0].pipeline.kinematics;
-  server::LoopScene loop;
-  EXPECT_NO_THROW(server::check_pacing(loop, *plate.open(kinematics, 8ms)));
-  EXPECT_THROW(static_cast<void>(plate.open(kinematics, 20ms)), core::DeviceError);
-  EXPECT_TRUE(plate.is_hardware()) << "strict unless a device declares otherwise";
-}
-
-TEST(NewDevice, TheExampleOfThePageRuns) {
   const auto spring = hw::readme::spring();
   const server::Scene scene = parse(R"(name: "t"
 device {
@@ -122,9 +63,7 @@ TEST(NewDevice, OnlyRecipeFilesNameADevice) {
       const std::string name = entry.path().lexically_relative(root).generic_string();
       const std::string extension = entry.path().extension().string();
       if (extension != ".cpp" && extension != ".hpp") continue;
-      std::ostringstream text;
-      text << std::ifstream(entry.path()).rdbuf();
-      if (std::regex_search(text.str(), names)) naming.insert(name);
+      if (std::regex_search(file_text(entry.path()), names)) naming.insert(name);
     }
   }
   const std::regex recipe("hw/(emulator|" + any(folders).substr(1) +

@@ -100,5 +100,38 @@ TEST(SceneOverride, AllThatAreOffAreTold) {
   expect_says(kFinger, "'cpus': no such field; there are: cpu", set);
 }
 
+/// A scene under any bytes: Fuzz.AnySceneLoadsOrIsRefused.
+TEST(SceneOverride, DamagedOnesAreSetOrRefused) {
+  const std::string pieces[] = {"",
+                                "[",
+                                "]",
+                                "{",
+                                "}",
+                                "\"",
+                                "-",
+                                "nan",
+                                std::string(1, '\0'),
+                                "\xff\xfe",
+                                "18446744073709551616"};
+  int loaded = 0, refused = 0;
+  for (const std::string seed :
+       {"device[0].impedance.stiffness_n_per_m[0]=800", "server.listen=[\"127.0.0.1:1\"]",
+        "device[0].standard={}", "loop={period {nanos: 2000000}}"}) {
+    for (std::size_t at = 0; at < seed.size(); ++at) {
+      for (const std::string& piece : pieces) {
+        try {
+          static_cast<void>(parse(kFinger, {std::string(seed).replace(at, 1, piece)}));
+          ++loaded;
+        } catch (const core::SceneError& error) {
+          ASSERT_STRNE(error.what(), "");
+          ++refused;
+        }
+      }
+    }
+  }
+  EXPECT_GT(loaded, 0);
+  EXPECT_GT(refused, 500);
+}
+
 }  // namespace
 }  // namespace haptic::test

@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Cholesky>
-#include <fstream>
-#include <sstream>
 
 #include "server/owner/state/device_message.hpp"
 #include "tests/server/owner/scene/scene_run.hpp"
@@ -87,10 +85,8 @@ TEST(Safeguards, TheTankPaysTheWindow) {
 
 /// A coupled Z_q: every force within the window stores at most that.
 TEST(Safeguards, TheTankPaysACoupledWindow) {
-  std::ostringstream text;
-  text << std::ifstream(kScenes / "stylus_cartesian.textproto").rdbuf();
   const server::DeviceScene stylus =
-      parse(replaced(text.str(), "tank { initial_j: 0.01 }", "")).devices[0];
+      parse(replaced(shipped_text("stylus_cartesian"), "tank { initial_j: 0.01 }", "")).devices[0];
   const core::RenderSettings& s = stylus.pipeline.scene;
   ASSERT_NE(stylus.pipeline.projection.coupling, nullptr);
   const Eigen::MatrixXd Z = stylus.pipeline.projection.coupling->matrix(s.stiffness);

@@ -5,7 +5,6 @@
 
 #include "hw/bookkeeping.hpp"
 #include "hw/device_limits.hpp"
-#include "server/owner/scene/shipped.hpp"
 #include "tests/server/owner/scene/scene_run.hpp"
 #include "tests/server/owner/scene/scene_text.hpp"
 
@@ -137,8 +136,7 @@ TEST(SceneRest, WindowsEnergyCarriesAMovedProxy) {
   for (const char* name : {"linear_one_dof", "linear_underactuated", "stylus_three_of_six",
                            "chain_pick_arm", "chain_redundant"}) {
     SCOPED_TRACE(name);
-    server::DeviceScene device =
-        server::load_scene(kScenes / (std::string(name) + ".textproto")).devices[0];
+    server::DeviceScene device = shipped_scene(name).devices[0];
     core::TankSettings& tank = device.pipeline.passivity.tank;
     const double level = tank.initial;
     tank.enabled = false;
@@ -157,7 +155,7 @@ TEST(SceneRest, WindowsEnergyCarriesAMovedProxy) {
 class ScenePress : public testing::TestWithParam<std::string> {};
 
 TEST_P(ScenePress, IsSafeAndFelt) {
-  const server::Scene scene = server::load_scene(kScenes / (GetParam() + ".textproto"));
+  const server::Scene scene = shipped_scene(GetParam());
   for (const server::DeviceScene& device : scene.devices) {
     SCOPED_TRACE(device.name);
     const core::DofLayout& layout = device.pipeline.kinematics->layout();
@@ -208,15 +206,7 @@ TEST_P(ScenePress, IsSafeAndFelt) {
   }
 }
 
-std::vector<std::string> shipped() {
-  std::vector<std::string> names;
-  for (const server::ShippedScene& scene : server::shipped_scenes(kScenes)) {
-    names.push_back(scene.name);
-  }
-  return names;
-}
-
-INSTANTIATE_TEST_SUITE_P(Shipped, ScenePress, testing::ValuesIn(shipped()),
+INSTANTIATE_TEST_SUITE_P(Shipped, ScenePress, testing::ValuesIn(shipped_names()),
                          [](const auto& test) { return test.param; });
 
 }  // namespace

@@ -9,11 +9,33 @@
 
 #include "haptic/core/error.hpp"
 #include "server/owner/scene/scene.hpp"
+#include "server/owner/scene/shipped.hpp"
+#include "tests/support/file_text.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace haptic::test {
 
 inline const std::filesystem::path kScenes =
     std::filesystem::path(HAPTIC_SOURCE_DIR) / "server/scenes";
+
+/// A shipped scene's file, its text, and the scene that the loader makes of it.
+inline std::filesystem::path shipped_file(const std::string& name) {
+  return kScenes / (name + ".textproto");
+}
+inline std::string shipped_text(const std::string& name) {
+  return file_text(shipped_file(name));
+}
+inline server::Scene shipped_scene(const std::string& name) {
+  return server::load_scene(shipped_file(name));
+}
+
+inline std::vector<std::string> shipped_names() {
+  std::vector<std::string> names;
+  for (const server::ShippedScene& scene : server::shipped_scenes(kScenes)) {
+    names.push_back(scene.name);
+  }
+  return names;
+}
 
 /// The shortest scene of a finger. Stiffness stands on line 7, the limits on line 9.
 inline const std::string kFinger = R"(name: "t"
@@ -51,12 +73,7 @@ inline server::Scene parse(const std::string& text, const std::vector<std::strin
 
 /// The loader's message; "no error" where it found none.
 inline std::string error_of(const std::string& text, const std::vector<std::string>& set = {}) {
-  try {
-    static_cast<void>(parse(text, set));
-  } catch (const core::SceneError& error) {
-    return error.what();
-  }
-  return "no error";
+  return message_of<core::SceneError>([&] { return parse(text, set); });
 }
 
 /// The loader's message must contain `says`, as it is here.
@@ -102,6 +119,24 @@ inline void expect_each_says(const std::vector<BadScene>& table) {
   for (const BadScene& bad : table) {
     SCOPED_TRACE(bad.what);
     expect_says(bad.text, bad.says);
+  }
+}
+
+/// A value that a field must not have, "path=value" as --set takes it, and what is allowed: "must
+/// ...", or else what follows the path in the message.
+struct BadValue {
+  const std::string& text;
+  std::string assignment;
+  const char* rule;
+};
+
+inline void expect_each_value_says(const std::vector<BadValue>& table) {
+  for (const BadValue& bad : table) {
+    SCOPED_TRACE(bad.assignment);
+    const std::size_t at = bad.assignment.find('=');
+    const bool as_given = std::string(bad.rule).starts_with("must");
+    const std::string value = as_given ? " = " + bad.assignment.substr(at + 1) + ": " : "";
+    expect_says(bad.text, bad.assignment.substr(0, at) + value + bad.rule, {bad.assignment});
   }
 }
 

@@ -1,15 +1,13 @@
 #include <gmock/gmock.h>
 #include <google/protobuf/text_format.h>
 
-#include <algorithm>
 #include <fstream>
 #include <set>
-#include <sstream>
 #include <typeinfo>
 
 #include "haptic/v1/scene.pb.h"
 #include "hw/board/board_device.hpp"
-#include "server/owner/scene/shipped.hpp"
+#include "server/owner/state/device_message.hpp"
 #include "tests/server/owner/scene/scene_text.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -18,88 +16,52 @@ namespace {
 
 namespace fs = std::filesystem;
 
+class ShippedScene : public testing::TestWithParam<std::string> {
+ protected:
+  const server::Scene scene = shipped_scene(GetParam());
+};
+
+TEST_P(ShippedScene, OpensItsDevices) {
+  for (const server::DeviceScene& device : scene.devices) {
+    if (device.source->is_hardware()) continue;
+    const auto opened = device.source->open(device.pipeline.kinematics, {});
+    ASSERT_NE(opened, nullptr);
+    EXPECT_EQ(opened->info().limits.max_effort.size(), device.pipeline.scene.force_limit.size());
+  }
+}
+
+TEST_P(ShippedScene, ResolvedTextReadsBackTheSame) {
+  const server::Scene again = server::parse_scene(scene.resolved, "resolved", "/");
+  EXPECT_EQ(again.resolved, scene.resolved);
+  ASSERT_EQ(again.devices.size(), scene.devices.size());
+  for (std::size_t i = 0; i < scene.devices.size(); ++i) {
+    const server::DeviceScene &a = again.devices[i], &b = scene.devices[i];
+    const hw::DeviceConfig &of_a = *a.source, &of_b = *b.source;
+    EXPECT_EQ(typeid(of_a), typeid(of_b));
+    EXPECT_EQ(a.pipeline.scene.renderer, b.pipeline.scene.renderer);
+    EXPECT_EQ(a.pipeline.scene.staleness, b.pipeline.scene.staleness);
+    EXPECT_EQ(server::describe(a.name, {}, a.pipeline).SerializeAsString(),
+              server::describe(b.name, {}, b.pipeline).SerializeAsString());
+  }
+}
+
+TEST_P(ShippedScene, IsGuardedAndWarnsOfNothing) {
+  EXPECT_THAT(scene.warnings, testing::IsEmpty());
+  for (const server::DeviceScene& device : scene.devices) {
+    EXPECT_TRUE(device.pipeline.scene.direction_guard);
+    EXPECT_TRUE(device.pipeline.passivity.tank.enabled);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, ShippedScene, testing::ValuesIn(shipped_names()),
+                         [](const auto& test) { return test.param; });
+
 std::vector<fs::path> scenes_in(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() == ".textproto") files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end());
   return files;
-}
-
-void expect_same(const core::RenderSettings& a, const core::RenderSettings& b) {
-  EXPECT_EQ(a.renderer, b.renderer);
-  EXPECT_EQ(a.direction_guard, b.direction_guard);
-  EXPECT_EQ(a.stiffness, b.stiffness);
-  EXPECT_EQ(a.damping, b.damping);
-  EXPECT_EQ(a.force_limit, b.force_limit);
-  EXPECT_EQ(a.slew_limit, b.slew_limit);
-  EXPECT_EQ(a.engage_window, b.engage_window);
-  EXPECT_EQ(a.staleness, b.staleness);
-}
-
-void expect_same(const std::shared_ptr<const core::StiffnessCoupling>& a,
-                 const std::shared_ptr<const core::StiffnessCoupling>& b) {
-  ASSERT_EQ(a == nullptr, b == nullptr);
-  if (a) {
-    EXPECT_EQ(a->matrix(a->scene_stiffness()), b->matrix(b->scene_stiffness()));
-  }
-}
-
-TEST(ShippedScenes, OpenTheirDevices) {
-  const auto files = scenes_in(kScenes);
-  EXPECT_GE(files.size(), 8u);
-  for (const auto& file : files) {
-    SCOPED_TRACE(file.filename());
-    const server::Scene scene = server::load_scene(file);
-    for (const server::DeviceScene& device : scene.devices) {
-      if (device.source->is_hardware()) continue;
-      const auto opened = device.source->open(device.pipeline.kinematics, {});
-      ASSERT_NE(opened, nullptr);
-      EXPECT_EQ(opened->info().limits.max_effort.size(), device.pipeline.scene.force_limit.size());
-    }
-  }
-}
-
-TEST(ShippedScenes, ResolvedTextReadsBackTheSame) {
-  for (const auto& file : scenes_in(kScenes)) {
-    SCOPED_TRACE(file.filename());
-    const server::Scene scene = server::load_scene(file);
-    const server::Scene again = server::parse_scene(scene.resolved, "resolved", "/");
-    EXPECT_EQ(again.resolved, scene.resolved);
-    EXPECT_EQ(again.name, scene.name);
-    EXPECT_EQ(again.server.listen, scene.server.listen);
-    EXPECT_EQ(again.loop.period, scene.loop.period);
-    EXPECT_EQ(again.loop.loop_late_fault, scene.loop.loop_late_fault);
-    EXPECT_EQ(again.record.has_value(), scene.record.has_value());
-    ASSERT_EQ(again.devices.size(), scene.devices.size());
-    for (std::size_t i = 0; i < scene.devices.size(); ++i) {
-      EXPECT_EQ(again.devices[i].name, scene.devices[i].name);
-      EXPECT_EQ(again.devices[i].fresh_end, scene.devices[i].fresh_end);
-      const hw::DeviceConfig &a = *again.devices[i].source, &b = *scene.devices[i].source;
-      EXPECT_EQ(typeid(a), typeid(b));
-      expect_same(again.devices[i].pipeline.scene, scene.devices[i].pipeline.scene);
-      expect_same(again.devices[i].pipeline.projection.coupling,
-                  scene.devices[i].pipeline.projection.coupling);
-    }
-  }
-}
-
-TEST(ShippedScenes, HaveGuardAndTank) {
-  for (const auto& file : scenes_in(kScenes)) {
-    for (const server::DeviceScene& device : server::load_scene(file).devices) {
-      EXPECT_TRUE(device.pipeline.scene.direction_guard) << file.filename();
-      EXPECT_TRUE(device.pipeline.passivity.tank.enabled) << file.filename();
-    }
-  }
-}
-
-TEST(ShippedScenes, WarnOfNothing) {
-  for (const auto& file : scenes_in(kScenes)) {
-    for (const std::string& warning : server::load_scene(file).warnings) {
-      ADD_FAILURE() << file.filename() << ": " << warning;
-    }
-  }
 }
 
 TEST(SceneFragments, LoadAndReadBack) {
@@ -155,10 +117,8 @@ TEST(SceneFragments, EveryFieldStandsInAScene) {
   for (const fs::path& folder : {kScenes, kScenes / "fragments"}) {
     for (const fs::path& file : scenes_in(folder)) {
       if (file.stem().extension() == ".calibration") continue;
-      std::ostringstream text;
-      text << std::ifstream(file).rdbuf();
       v1::Scene scene;
-      ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(text.str(), &scene)) << file;
+      ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(file_text(file), &scene)) << file;
       remove_given(scene, missing);
     }
   }

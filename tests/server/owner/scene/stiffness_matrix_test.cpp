@@ -1,13 +1,9 @@
 // impedance { stiffness_matrix } of scene.proto: the coupled Z_q of core/METHOD.md#actuator-limits,
 // from the text to the force.
 #include <Eigen/Core>
-#include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include "hw/simulated/linear.hpp"
-#include "server/owner/rights/settings_policy.hpp"
 #include "server/owner/telemetry/renderer_comparison.hpp"
 #include "tests/server/owner/scene/scene_run.hpp"
 #include "tests/server/owner/scene/scene_text.hpp"
@@ -43,69 +39,49 @@ std::string with_matrix(const std::string& values) {
 }
 
 TEST(StiffnessMatrix, SplitsIntoDiagonalAndCoupling) {
+  const core::VecA diagonal = (core::VecA(2) << 7.0, 6.0).finished();
   const server::Scene scene = parse(kTwo);
-  const server::DeviceScene& device = scene.devices[0];
-  ASSERT_NE(device.pipeline.projection.coupling, nullptr);
-  EXPECT_EQ(device.pipeline.scene.stiffness, (core::VecA(2) << 7.0, 6.0).finished());
-  const Eigen::Matrix2d Z =
-      device.pipeline.projection.coupling->matrix(device.pipeline.scene.stiffness);
+  const core::PipelineConfig& coupled = scene.devices[0].pipeline;
+  ASSERT_NE(coupled.projection.coupling, nullptr);
+  EXPECT_EQ(coupled.scene.stiffness, diagonal);
+  const Eigen::Matrix2d Z = coupled.projection.coupling->matrix(diagonal);
   EXPECT_LT((Z - (Eigen::Matrix2d() << 7, 2, 2, 6).finished()).norm(), 1e-14);
-}
-
-TEST(StiffnessMatrix, ADiagonalMatrixIsNoCoupling) {
-  const server::Scene scene = parse(with_matrix("7, 0, 0, 6"));
-  EXPECT_EQ(scene.devices[0].pipeline.projection.coupling, nullptr)
-      << "and the tick is the usual one";
-  EXPECT_EQ(scene.devices[0].pipeline.scene.stiffness, (core::VecA(2) << 7.0, 6.0).finished());
-}
-
-TEST(StiffnessMatrix, TheResolvedTextHasIt) {
-  const server::Scene scene = parse(kTwo);
   expect_resolved(scene, "stiffness_matrix: [7, 2, 2, 6]");
   EXPECT_EQ(scene.resolved.find("stiffness_n_per_m"), std::string::npos);
+
+  const core::PipelineConfig plain = parse(with_matrix("7, 0, 0, 6")).devices[0].pipeline;
+  EXPECT_EQ(plain.projection.coupling, nullptr) << "and the tick is the usual one";
+  EXPECT_EQ(plain.scene.stiffness, diagonal);
 }
 
 TEST(StiffnessMatrix, ErrorsNameFieldValueAndRule) {
-  const struct {
-    std::string text;
-    const char* says;
-  } wrong[] = {
-      {with_matrix("7, 2, 2"),
-       "t.textproto:13: device[0].impedance.stiffness_matrix = [7, 2, 2]: must have one value per "
-       "pair of "
-       "actuated DoFs, 4"},
-      {with_matrix("7, 2, 2.5, 6"), "stiffness_matrix = [7, 2, 2.5, 6]: "},
-      {with_matrix("7, 2, 2.5, 6"), "must be finite and symmetric"},
-      {with_matrix("7, 8, 8, 6"), "must be positive definite"},
-      {with_matrix("7, 2, 2, -6"), "entry (1, 1) = -6.000000, must be finite and > 0"},
-      {with_matrix("7, nan, 2, 6"), "stiffness_matrix[1] = nan: must be finite"},
-      {replaced(kTwo, "stiffness_matrix", "stiffness_n_per_m: [7, 6] stiffness_matrix"),
-       "must be either stiffness_matrix or stiffness_n_per_m"},
-      {replaced(kTwo, "limits {", "standard {} limits {"),
-       "device[0].renderer = standard: must be subspace_linear or subspace_exact"},
-      {replaced(kTwo, "limits {", "null_space {} limits {"), "virtual stiffness of their own"},
-      {replaced(kTwo, "stiffness_matrix: [7, 2, 2, 6]", ""),
-       "device[0].impedance.stiffness_n_per_m"},
-  };
-  for (const auto& [text, says] : wrong) {
-    expect_says(text, says);
-  }
   EXPECT_EQ(error_of(kTwo), "no error");
+  expect_each_says({
+      {"size", with_matrix("7, 2, 2"),
+       "t.textproto:13: device[0].impedance.stiffness_matrix = [7, 2, 2]: must have one value per "
+       "pair of actuated DoFs, 4"},
+      {"not symmetric", with_matrix("7, 2, 2.5, 6"), "must be finite and symmetric"},
+      {"indefinite", with_matrix("7, 8, 8, 6"), "must be positive definite"},
+      {"diagonal", with_matrix("7, 2, 2, -6"), "entry (1, 1) = -6.000000, must be finite and > 0"},
+      {"not finite", with_matrix("7, nan, 2, 6"), "stiffness_matrix[1] = nan: must be finite"},
+      {"both", replaced(kTwo, "stiffness_matrix", "stiffness_n_per_m: [7, 6] stiffness_matrix"),
+       "must be either stiffness_matrix or stiffness_n_per_m"},
+      {"a baseline", with_option(kTwo, "null_space {}"),
+       "device[0].renderer = null_space: must be subspace_linear or subspace_exact"},
+      {"none", replaced(kTwo, "stiffness_matrix: [7, 2, 2, 6]", ""),
+       "device[0].impedance.stiffness_n_per_m"},
+  });
 }
 
 TEST(StiffnessMatrix, FingersAreNotCoupled) {
   std::string values;
   for (int i = 0; i < 25; ++i)
     values += (i % 6 == 0 ? "700" : "10") + std::string(i < 24 ? ", " : "");
-  const std::vector<std::string> files = {"hand_five_fingers", "hand_tracked_palm"};
-  for (const std::string& file : files) {
-    const std::filesystem::path path = kScenes / (file + ".textproto");
-    std::ifstream stream(path);
-    std::string text((std::istreambuf_iterator<char>(stream)), {});
+  for (const char* file : {"hand_five_fingers", "hand_tracked_palm"}) {
+    std::string text = shipped_text(file);
     const std::size_t from = text.find("stiffness_n_per_m:"), to = text.find(']', from);
     ASSERT_LT(to, text.size());
     text.replace(from, to + 1 - from, "stiffness_matrix: [" + values + "]");
-    expect_says(text, "device[0].impedance.stiffness_matrix");
     expect_says(text, "must be diagonal for a hand");
   }
 }
@@ -119,40 +95,18 @@ TEST(StiffnessMatrix, TheStiffestDirectionWarns) {
       << warnings[0];
 }
 
-TEST(StiffnessMatrix, SessionsKeepToSubspaceMethods) {
-  const server::Scene scene = parse(kTwo);
-  const server::DeviceScene& device = scene.devices[0];
-  const auto limits = device.source->open(device.pipeline.kinematics, {})->info().limits;
-  const core::PipelineConfig config = server::pipeline_config(device, limits);
-  server::SettingsRequest request{.renderer = core::RendererKind::kStandard};
-  const auto refused =
-      server::apply_settings(request, config.scene, config, core::LifecycleState::kIdle);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.refusal.reason, "STIFFNESS_COUPLED");
-  EXPECT_EQ(refused.refusal.code, server::Refusal::Code::kPrecondition);
-  request.renderer = core::RendererKind::kSubspaceExact;
-  EXPECT_TRUE(server::apply_settings(request, config.scene, config, core::LifecycleState::kIdle));
-}
-
 // The shipped scene.
 
 const Matrix3d kStylus = (Matrix3d() << 7.6, 0, 0, 0, 7.9, 4, 0, 4, 3.4).finished();
-constexpr double kTorque = 0.6;  // N m, of each actuator
 
 struct Stylus : testing::Test {
-  server::Scene scene = server::load_scene(kScenes / "stylus_cartesian.textproto");
+  server::Scene scene = shipped_scene("stylus_cartesian");
   const server::DeviceScene& device = scene.devices.front();
 
   [[nodiscard]] core::VecQ turned(double turntable, double shoulder, double elbow) const {
     core::VecQ q = dynamic_cast<const hw::SimulatedLinearConfig&>(*device.source).target;
     q.head(3) += Vector3d(turntable, shoulder, elbow);
     return q;
-  }
-  /// core/METHOD.md#actuator-limits, written out: all three limits are 0.6 N m, so the stiffest
-  /// actuator decides.
-  static Vector3d law(const Vector3d& d) {
-    const double rho = kTorque / std::sqrt(7.9), length = std::sqrt(d.dot(kStylus * d));
-    return (length > rho ? rho / length : 1.0) * (kStylus * d);
   }
 };
 
@@ -170,49 +124,6 @@ TEST_F(Stylus, TheWristIsEquallyStiff) {
   ASSERT_NE(device.pipeline.projection.coupling, nullptr);
   const Matrix3d Z = device.pipeline.projection.coupling->matrix(device.pipeline.scene.stiffness);
   EXPECT_LT((Z - kStylus).norm(), 1e-14);
-}
-
-TEST_F(Stylus, FollowsTheLawBehindItsTank) {
-  SceneRun run(device);
-  run.engage();
-  run.hold(turned(0.08, 0.25, 0.35));
-  double largest = 0.0;
-  int throttled = 0;
-  for (int i = 0; i < 3000; ++i) {
-    if (i == 1500) run.hold(turned(-0.05, -0.1, 0.1));
-    const core::TickRecord& record = run.tick();
-    const Vector3d tau(record.effort.tau_elastic),
-        d((record.effort.q_star - record.sensed.q).head(3));
-    const Vector3d wanted = law(d);
-    throttled += record.limiters().has(core::Limiter::kEnergyTank) ? 1 : 0;
-    if (!record.limiters().has(core::Limiter::kSlew)) {
-      ASSERT_LT((tau - wanted).norm(), 1e-9) << i;
-    }
-    ASSERT_LE(record.effort.tau_a.cwiseAbs().maxCoeff(), kTorque);
-    largest = std::max(largest, tau.norm());
-  }
-  EXPECT_GT(throttled, 0) << "a jump of the proxy costs more than the tank holds";
-  EXPECT_GT(largest, 0.1);
-}
-
-TEST_F(Stylus, SaturationKeepsTheDirection) {
-  server::DeviceScene rich = device;
-  rich.pipeline.passivity.tank.initial = rich.pipeline.passivity.tank.capacity = 1.0;
-  SceneRun run(rich);
-  run.engage();
-  run.hold(turned(0.08, 0.25, 0.35));
-  int saturated = 0;
-  for (int i = 0; i < 1000; ++i) {
-    const core::TickRecord& record = run.tick();
-    const Vector3d d((record.effort.q_star - record.sensed.q).head(3));
-    if (!(law(d).norm() < (1.0 - 1e-9) * (kStylus * d).norm())) continue;
-    ++saturated;
-    ASSERT_TRUE(record.limiters().has(core::Limiter::kSaturation));
-    ASSERT_TRUE(record.effort.actuator_limiters[1].has(core::Limiter::kSaturation))
-        << "the shoulder's";
-    ASSERT_FALSE(record.effort.actuator_limiters[0].has(core::Limiter::kSaturation));
-  }
-  EXPECT_GT(saturated, 20);
 }
 
 TEST_F(Stylus, TheComparisonSaturatesLikeTheTick) {

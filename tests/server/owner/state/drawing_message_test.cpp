@@ -96,10 +96,9 @@ constexpr std::size_t kMost = 32 * 1024;
 
 TEST(DrawingMessage, EveryShippedDeviceHasOne) {
   std::size_t drawn = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(kScenes)) {
-    if (entry.path().extension() != ".textproto") continue;
-    SCOPED_TRACE(entry.path().filename());
-    for (const server::DeviceScene& device : server::load_scene(entry.path()).devices) {
+  for (const std::string& name : shipped_names()) {
+    SCOPED_TRACE(name);
+    for (const server::DeviceScene& device : shipped_scene(name).devices) {
       const v1::Device message = server::describe(device.name, {}, device.pipeline);
       EXPECT_GE(message.drawing().bodies_size(), 2);
       EXPECT_GE(message.drawing().forces_size(), 1);
@@ -111,15 +110,14 @@ TEST(DrawingMessage, EveryShippedDeviceHasOne) {
 }
 
 TEST(DrawingMessage, AMapWithoutOneSaysSo) {
-  std::string scene = kLinear;
-  const std::string coordinate = R"(    coordinate { name: "x" unit: "m" })", A = "    A: [1, 0.5]";
-  std::string coordinates, rows = "    A: [1, 0.5";
+  std::string coordinates, rows;
   for (int i = 0; i < 9; ++i) {
     coordinates += "    coordinate { name: \"x" + std::to_string(i) + "\" unit: \"m\" }\n";
-    if (i > 0) rows += ", 1, 0.5";
+    rows += i > 0 ? ", 1, 0.5" : "1, 0.5";
   }
-  scene.replace(scene.find(coordinate), coordinate.size(), coordinates);
-  scene.replace(scene.find(A), A.size(), rows + "]");
+  const std::string scene =
+      replaced(replaced(kLinear, "    coordinate { name: \"x\" unit: \"m\" }\n", coordinates),
+               "A: [1, 0.5]", "A: [" + rows + "]");
   const server::Scene parsed = parse(scene);
   EXPECT_FALSE(server::describe("d", {}, parsed.devices[0].pipeline).has_drawing());
 }

@@ -9,6 +9,7 @@
 
 #include "haptic/core/error.hpp"
 #include "tests/server/owner/loop/fake_host.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace {
 
@@ -61,123 +62,76 @@ TEST(Realtime, BareContainerIsDegradedAndExplains) {
 TEST(Realtime, RequireThrowsWithTheSameWords) {
   FakeHost host;
   take_everything_away(host);
-  try {
-    static_cast<void>(apply_realtime({RealtimeMode::kRequire, 80, {}, {}}, host));
-    FAIL() << "must throw";
-  } catch (const haptic::core::RealtimeError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("--realtime=require"));
-    EXPECT_THAT(error.what(), HasSubstr("EPERM"));
-  }
+  EXPECT_THAT(haptic::test::message_of<haptic::core::RealtimeError>(
+                  [&] { return apply_realtime({RealtimeMode::kRequire}, host); }),
+              testing::AllOf(HasSubstr("--realtime=require"), HasSubstr("EPERM")));
 }
 
-TEST(Realtime, RequireAcceptsAFullGrant) {
-  FakeHost host;
-  EXPECT_EQ(apply_realtime({RealtimeMode::kRequire, 80, {}, {}}, host).facts.grade, "real-time");
-}
+struct Expected {
+  const char* grade;
+  haptic::core::Duration loop_late_fault;
+  bool sched_fifo, memory_locked;
+  const char* says;
+};
 
-TEST(Realtime, OffAsksForNothing) {
+/// The grant of a host that `spoil` has taken something away from.
+void expect_grant(const Expected& expected, const RealtimeRequest& request,
+                  void (*spoil)(FakeHost& host)) {
+  SCOPED_TRACE(expected.says);
   FakeHost host;
-  const RealtimeGrant grant = apply_realtime({RealtimeMode::kOff, 80, {}, {}}, host);
-  EXPECT_EQ(grant.facts.grade, "best-effort");
-  EXPECT_EQ(host.fifo_calls, 0);
-  EXPECT_EQ(host.locks, 0);
-  EXPECT_EQ(grant.loop_late_fault, 20ms);
-  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("--realtime=off"));
-}
-
-TEST(Realtime, ScenesLateFaultWins) {
-  FakeHost host;
-  RealtimeRequest request{.loop_late_fault = 5ms};
+  spoil(host);
   const RealtimeGrant grant = apply_realtime(request, host);
-  EXPECT_EQ(grant.loop_late_fault, 5ms);
-  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("loop_late_fault is 5 ms (the scene's)"));
+  EXPECT_EQ(grant.facts.grade, expected.grade);
+  EXPECT_EQ(grant.facts.sched_fifo, expected.sched_fifo);
+  EXPECT_EQ(grant.facts.memory_locked, expected.memory_locked);
+  EXPECT_EQ(grant.loop_late_fault, expected.loop_late_fault);
+  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr(expected.says));
+  EXPECT_EQ(host.fifo_calls > 0, request.mode != RealtimeMode::kOff);
+  // MCL_FUTURE under a limit that binds would end the process at the next thread.
+  EXPECT_EQ(host.locks > 0, expected.memory_locked || host.lock_error != 0);
 }
 
-// MCL_FUTURE under a limit that binds would end the process at the next thread.
-TEST(Realtime, NeverLocksMemoryUnderALimit) {
-  FakeHost host;
-  host.ipc_lock = false;
-  const RealtimeGrant grant = apply_realtime({}, host);
-  EXPECT_EQ(host.locks, 0);
-  EXPECT_FALSE(grant.facts.memory_locked);
-  EXPECT_TRUE(grant.facts.sched_fifo);
-  EXPECT_EQ(grant.facts.grade, "degraded");
-  EXPECT_EQ(grant.loop_late_fault, 8ms);
+TEST(Realtime, RequestsAreObeyed) {
+  const auto whole = [](FakeHost&) {};
+  expect_grant({"best-effort", 20ms, false, false, "--realtime=off"}, {RealtimeMode::kOff}, whole);
+  expect_grant({"real-time", 8ms, true, true, "memory locked"}, {RealtimeMode::kRequire}, whole);
+  expect_grant({"real-time", 5ms, true, true, "loop_late_fault is 5 ms (the scene's)"},
+               {.loop_late_fault = 5ms}, whole);
 }
 
-TEST(Realtime, RaisesMemoryLimitToUnlimitedHard) {
-  FakeHost host;
-  host.ipc_lock = false;
-  host.memlock.hard = std::nullopt;
-  const RealtimeGrant grant = apply_realtime({}, host);
-  EXPECT_EQ(host.raises, 1);
-  EXPECT_EQ(host.locks, 1);
-  EXPECT_TRUE(grant.facts.memory_locked);
+TEST(Realtime, MemoryIsLockedWithoutALimit) {
+  expect_grant({"degraded", 8ms, true, false, "RLIMIT_MEMLOCK is 8192 KB"}, {},
+               [](FakeHost& host) { host.ipc_lock = false; });
+  expect_grant({"real-time", 8ms, true, true, "memory locked"}, {}, [](FakeHost& host) {
+    host.ipc_lock = false;
+    host.memlock = {};
+  });
+  expect_grant({"real-time", 8ms, true, true, "memory locked"}, {}, [](FakeHost& host) {
+    host.ipc_lock = false;
+    host.memlock.hard = std::nullopt;  // the soft one is raised to it
+  });
+  expect_grant(
+      {"degraded", 8ms, true, false, "memory locking refused (ENOMEM: Cannot allocate memory)"}, {},
+      [](FakeHost& host) { host.lock_error = ENOMEM; });
 }
 
-TEST(Realtime, UnlimitedMemoryNeedsNoCapability) {
-  FakeHost host;
-  host.ipc_lock = false;
-  host.memlock = {};
-  EXPECT_TRUE(apply_realtime({}, host).facts.memory_locked);
-  EXPECT_EQ(host.raises, 0);
-}
-
-TEST(Realtime, ARefusedLockNamesItsErrno) {
-  FakeHost host;
-  host.lock_error = ENOMEM;
-  EXPECT_THAT(apply_realtime({}, host).facts.explanation.str(),
-              HasSubstr("memory locking refused (ENOMEM: Cannot allocate memory)"));
-}
-
-TEST(Realtime, ProcessorsThatSleepDegradeTheGrade) {
-  FakeHost host;
-  host.idle_error = ENOENT;
-  const RealtimeGrant grant = apply_realtime({}, host);
-  EXPECT_FALSE(grant.may_keep_awake);
-  EXPECT_EQ(grant.facts.grade, "degraded");
-  EXPECT_EQ(grant.loop_late_fault, 8ms);
-  EXPECT_THAT(grant.facts.explanation.str(),
-              HasSubstr("/dev/cpu_dma_latency refused (ENOENT: No such file or directory): idle "
-                        "processors sleep"));
-}
-
-TEST(Realtime, TakesTheAllowedLowerPriority) {
-  FakeHost host;
-  host.highest_priority = 20;
-  host.sys_nice = false;
-  host.rtprio = {20, 20};
-  const RealtimeGrant grant = apply_realtime({}, host);
-  EXPECT_TRUE(grant.facts.sched_fifo);
-  EXPECT_EQ(grant.facts.priority, 20);
-  EXPECT_EQ(grant.facts.grade, "degraded");
-  EXPECT_EQ(grant.loop_late_fault, 8ms);
-  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("priority 20, not the scene's 80"));
-}
-
-TEST(Realtime, RefusalPointsToTheControlGroup) {
-  FakeHost host;
-  host.highest_priority = 0;
-  EXPECT_THAT(apply_realtime({}, host).facts.explanation.str(),
-              HasSubstr("the control group or container gives no real-time budget"));
-}
-
-TEST(Realtime, ReportsAScantRealTimeShare) {
-  FakeHost host;
-  host.share = 0.1;
-  const RealtimeGrant grant = apply_realtime({}, host);
-  EXPECT_EQ(grant.facts.grade, "degraded");
-  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("sched_rt_runtime_us"));
-  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("10 %"));
-}
-
-TEST(Realtime, NamesAnAbsentCpu) {
-  FakeHost host;
-  host.cpu_error = EINVAL;
-  const RealtimeGrant grant = apply_realtime({RealtimeMode::kTry, 80, 63, {}}, host);
-  EXPECT_EQ(grant.facts.cpu, -1);
-  EXPECT_EQ(grant.facts.grade, "degraded");
-  EXPECT_THAT(grant.facts.explanation.str(), HasSubstr("pinning to CPU 63 refused (EINVAL"));
+TEST(Realtime, WhatIsMissingDegradesTheGrade) {
+  expect_grant({"degraded", 8ms, true, true,
+                "/dev/cpu_dma_latency refused (ENOENT: No such file or directory): idle "
+                "processors sleep"},
+               {}, [](FakeHost& host) { host.idle_error = ENOENT; });
+  expect_grant({"degraded", 8ms, true, true, "priority 20, not the scene's 80"}, {},
+               [](FakeHost& host) {
+                 host.highest_priority = 20;
+                 host.sys_nice = false;
+                 host.rtprio = {20, 20};
+               });
+  expect_grant(
+      {"degraded", 20ms, false, true, "the control group or container gives no real-time budget"},
+      {}, [](FakeHost& host) { host.highest_priority = 0; });
+  expect_grant({"degraded", 8ms, true, true, "10 %"}, {}, [](FakeHost& host) { host.share = 0.1; });
+  expect_grant({"degraded", 8ms, true, true, "pinning to CPU 63 refused (EINVAL"},
+               {RealtimeMode::kTry, 80, 63, {}}, [](FakeHost& host) { host.cpu_error = EINVAL; });
 }
 
 }  // namespace

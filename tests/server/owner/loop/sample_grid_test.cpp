@@ -92,12 +92,6 @@ TEST(SampleGrid, PunctualSampleNeverWaits) {
   }
 }
 
-TEST(SampleGrid, DefaultPatienceIsAQuarterPeriod) {
-  SampleGrid plain(kFirst, kPeriod), quarter(kFirst, kPeriod, 250us);
-  EXPECT_EQ(plain.latest(), quarter.latest());
-  EXPECT_EQ(plain.earliest(), quarter.earliest());
-}
-
 TEST(SampleGrid, HeapedSamplesMakeNoBurst) {
   SampleGrid grid(kFirst, kPeriod);
   TimePoint last = kFirst;
@@ -148,37 +142,35 @@ TEST(SampleGrid, LatePeriodsTickOnceAndCount) {
   EXPECT_EQ(grid.latest(), kFirst + 7250us);
 }
 
-TEST(SampleGrid, SuspendCountsAsLateness) {
-  SampleGrid grid(kFirst, kPeriod);
-  EXPECT_EQ(grid.wake(kFirst + 20us, 30s, kFirst).report.lateness, 30s + 20us);
-}
-
-/// Whatever comes when: one tick per due time, due times at least three quarters of a period and at
-/// most a period and a quarter apart, and no due time forgotten.
+/// Whatever comes when: one tick per due time, due times a period apart, give or take the patience,
+/// and no due time forgotten. With a patience of 0 the timer alone makes the ticks.
 TEST(SampleGrid, DueTimesKeepTheirDistance) {
-  SampleGrid grid(kFirst, kPeriod);
-  std::uint64_t random = 1;
-  const auto draw = [&random](std::int64_t below) {
-    random = random * 6364136223846793005u + 1442695040888963407u;
-    return Duration(static_cast<std::int64_t>(random >> 33) % below);
-  };
-  TimePoint now = kFirst - kPeriod;
-  TimePoint last_due = now;
-  for (int i = 0; i < 20'000; ++i) {
-    const TimePoint earliest = grid.earliest(), latest = grid.latest();
-    ASSERT_LT(earliest, latest);
-    ASSERT_LE(latest - last_due, kPeriod + kPeriod / 4);
-    ASSERT_GE(earliest - last_due, 3 * kPeriod / 4);
-    const TimePoint arrival = now + draw(2'000'000);
-    const bool came = arrival <= latest;
-    now = std::max(now, came ? std::max(arrival, earliest) : latest) +
-          draw(i % 7 == 0 ? 4'500'000 : 90'000);
-    const SampleGrid::Tick tick = grid.wake(now, 0ns, came ? std::optional(arrival) : std::nullopt);
-    EXPECT_EQ(tick.by_sample, came);
-    EXPECT_GE(tick.report.lateness, 0ns);
-    last_due = now - tick.report.lateness + tick.report.skipped * kPeriod;
-    ASSERT_LE(last_due, now);
-    ASSERT_GT(last_due + kPeriod, now);
+  for (const Duration patience : {Duration(0), kPeriod / 4}) {
+    SampleGrid grid(kFirst, kPeriod, patience);
+    std::uint64_t random = 1;
+    const auto draw = [&random](std::int64_t below) {
+      random = random * 6364136223846793005u + 1442695040888963407u;
+      return Duration(static_cast<std::int64_t>(random >> 33) % below);
+    };
+    TimePoint now = kFirst - kPeriod;
+    TimePoint last_due = now;
+    for (int i = 0; i < 20'000; ++i) {
+      const TimePoint earliest = grid.earliest(), latest = grid.latest();
+      ASSERT_TRUE(patience == 0ns ? earliest == latest : earliest < latest);
+      ASSERT_LE(latest - last_due, kPeriod + patience);
+      ASSERT_GE(earliest - last_due, kPeriod - patience);
+      const TimePoint arrival = now + draw(2'000'000);
+      const bool came = patience > 0ns && arrival <= latest;
+      now = std::max(now, came ? std::max(arrival, earliest) : latest) +
+            draw(i % 7 == 0 ? 4'500'000 : 90'000);
+      const SampleGrid::Tick tick =
+          grid.wake(now, 0ns, came ? std::optional(arrival) : std::nullopt);
+      EXPECT_EQ(tick.by_sample, came);
+      EXPECT_GE(tick.report.lateness, 0ns);
+      last_due = now - tick.report.lateness + tick.report.skipped * kPeriod;
+      ASSERT_LE(last_due, now);
+      ASSERT_GT(last_due + kPeriod, now);
+    }
   }
 }
 

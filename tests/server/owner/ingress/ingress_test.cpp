@@ -118,17 +118,15 @@ TEST_F(IngressTest, RejectionNamesFieldValueAndAllowed) {
   EXPECT_NE(why.find("-1000.5"), std::string::npos);
   EXPECT_EQ(send({0, 0}, t0, core::ProxyMode::kNone), IngressVerdict::kUnknownMode);
   EXPECT_EQ(send({}, t0), IngressVerdict::kWrongSize);
+  EXPECT_EQ(send({}, t0, core::ProxyMode::kPlanes), IngressVerdict::kWrongSize);
   const IngressCounters counters = ingress.counters();
-  EXPECT_EQ(counters[IngressVerdict::kWrongSize], 2U);
+  EXPECT_EQ(counters[IngressVerdict::kWrongSize], 3U);
   EXPECT_EQ(counters[IngressVerdict::kNotFinite], 2U);
   EXPECT_EQ(counters[IngressVerdict::kOutOfBounds], 1U);
   EXPECT_EQ(counters[IngressVerdict::kUnknownMode], 1U);
   EXPECT_EQ(counters[IngressVerdict::kAccepted], 0U);
   EXPECT_FALSE(mailbox.take() && mailbox.value().mode != core::ProxyMode::kNone);
-}
-
-TEST_F(IngressTest, TheBoundItselfIsAllowed) {
-  EXPECT_EQ(send({1000.0, -1000.0}, t0), IngressVerdict::kAccepted);
+  EXPECT_EQ(send({1000.0, -1000.0}, t0), IngressVerdict::kAccepted) << "the bound itself";
 }
 
 TEST_F(IngressTest, FreeModeNeedsNoPosition) {
@@ -187,24 +185,11 @@ TEST_F(IngressPlanesTest, PlanesReachTheMailboxAsColumns) {
   EXPECT_EQ(planes.normals(1, 1), 0.0) << "subnormal numbers become 0";
   EXPECT_EQ(planes.offsets[1], 6.0);
   EXPECT_EQ(newest().x[0], 0.25);
-}
-
-TEST_F(IngressPlanesTest, ThirtyTwoPlanesAreTaken) {
   EXPECT_EQ(send_planes({32, {1, 2, 3}}), IngressVerdict::kAccepted);
   EXPECT_EQ(newest().planes.size(), 32);
   EXPECT_EQ(newest().planes.offsets[31], 3.0);
-}
-
-TEST_F(IngressPlanesTest, ZeroPlanesMeanFreeSpace) {
-  send_planes({{1, 2, 3}});
-  EXPECT_EQ(send_planes({}), IngressVerdict::kAccepted);
-  EXPECT_EQ(newest().planes.size(), 0);
-}
-
-TEST_F(IngressPlanesTest, HeldSampleAfterPlanesHasNone) {
-  send_planes({{1, 2, 3}});
-  EXPECT_EQ(send({0, 0}, t0), IngressVerdict::kAccepted);
-  EXPECT_EQ(newest().planes.size(), 0);
+  EXPECT_EQ(send_planes({}), IngressVerdict::kBacklog) << "the third of one moment, and used";
+  EXPECT_EQ(newest().planes.size(), 0) << "free space";
 }
 
 TEST_F(IngressPlanesTest, NamesAndIgnoresAWrongPlane) {
@@ -226,10 +211,6 @@ TEST_F(IngressPlanesTest, NamesAndIgnoresAWrongPlane) {
   EXPECT_EQ(ingress.counters()[IngressVerdict::kBadPlane], 7U);
   EXPECT_EQ(newest().planes.offsets[0], 3.0);
   EXPECT_EQ(newest().seq, 1U);
-}
-
-TEST_F(IngressPlanesTest, PlanesNeedAPosition) {
-  EXPECT_EQ(send({}, t0, core::ProxyMode::kPlanes), IngressVerdict::kWrongSize);
 }
 
 }  // namespace

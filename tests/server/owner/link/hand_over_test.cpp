@@ -11,23 +11,19 @@
 #include <filesystem>
 
 #include "haptic/core/error.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace haptic::server {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 
-/// Words of the refusal of what `act` does; empty: it is not refused.
 template <typename Act>
 std::string refusal(const Act& act) {
-  try {
-    act();
-  } catch (const core::TransportError& error) {
-    return error.what();
-  }
-  return {};
+  return test::message_of<core::TransportError>(act);
 }
 
 class NamedFileTest : public testing::Test {
@@ -46,10 +42,10 @@ class NamedFileTest : public testing::Test {
 };
 
 TEST_F(NamedFileTest, OpensPlainFilesAndLinks) {
-  EXPECT_EQ(opened(file_.path()), "");
+  EXPECT_EQ(opened(file_.path()), "no error");
   const fs::path link = folder_.path() / "link";  // as certbot's are
   fs::create_symlink(file_.path(), link);
-  EXPECT_EQ(opened(link), "");
+  EXPECT_EQ(opened(link), "no error");
 }
 
 TEST_F(NamedFileTest, AFifoIsRefusedWithoutWaiting) {
@@ -81,8 +77,11 @@ TEST_F(NamedFileTest, OpenSecretsAreRefused) {
     fs::permissions(file_.path(), static_cast<fs::perms>(mode));
     EXPECT_THAT(opened(file_.path()), HasSubstr("chmod 600")) << std::oct << mode;
   }
+  FrontConfig config;
+  config.tls = TlsConfig{.certificate = file_.path(), .key = file_.path()};
+  EXPECT_THAT(refusal([&] { return open_files(config, {}); }), HasSubstr("server.tls.key"));
   fs::permissions(file_.path(), static_cast<fs::perms>(0640));
-  EXPECT_EQ(opened(file_.path()), "");
+  EXPECT_EQ(opened(file_.path()), "no error");
 }
 
 TEST(HandOver, FrontsGetTheSameListeningSockets) {
@@ -110,6 +109,23 @@ TEST(HandOver, FrontsGetTheSameListeningSockets) {
   // Nobody takes the port while no front has it.
   EXPECT_THAT(refusal([&] { const Listeners other({.listen = hand_over.addresses()}, false); }),
               HasSubstr("in use"));
+}
+
+TEST(Listeners, AnAddressInUseIsNamed) {
+  const test::ScratchFolder folder;
+  const std::string path = "unix:" + (folder.path() / "socket").string();
+  const auto refused = [](const ServerScene& scene) {
+    return refusal([&] { const Listeners listeners(scene, false); });
+  };
+  for (const std::string& address : {std::string("127.0.0.1:0"), path}) {
+    const Listeners first({.listen = {address}, .udp_listen = "127.0.0.1:0"}, false);
+    const std::string taken = first.addresses()[0].name, udp = first.udp_listen();
+    EXPECT_THAT(refused({.listen = {taken}}), AllOf(HasSubstr(taken), HasSubstr("in use")));
+    EXPECT_THAT(refused({.listen = {"127.0.0.1:0"}, .udp_listen = udp}),
+                AllOf(HasSubstr(udp), HasSubstr("in use")));
+  }
+  EXPECT_EQ(refused({.listen = {path}}), "no error") << "its server ended";
+  EXPECT_THAT(refused({.listen = {path}, .udp_listen = "0.0.0.0:0"}), HasSubstr("server.tls"));
 }
 
 TEST(HandOver, TooMuchIsRefused) {

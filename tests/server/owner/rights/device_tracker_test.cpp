@@ -174,12 +174,5 @@ TEST(DeviceTracker, BurstAfterAStallIsOld) {
   EXPECT_EQ(door.mailbox.value().born, last_good);
 }
 
-TEST(DeviceTracker, ARateIsRequired) {
-  Door door;
-  const auto answer = door.tracker.open(tracker_request("a", 0.0), door.now);
-  ASSERT_FALSE(answer);
-  EXPECT_EQ(answer.refusal.field, "nominal_rate_hz");
-}
-
 }  // namespace
 }  // namespace haptic::test

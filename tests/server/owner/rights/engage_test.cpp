@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
+
 #include "tests/server/support/device_rig.hpp"
 
 namespace haptic::test {
@@ -7,63 +10,71 @@ namespace {
 
 using core::LifecycleState;
 
+/// Asks for force after `prepare`.
+void expect_refused(const char* reason, const char* says,
+                    const std::function<void(DeviceRig& rig)>& prepare) {
+  SCOPED_TRACE(says);
+  DeviceRig rig;
+  rig.control();
+  prepare(rig);
+  EXPECT_EQ(rig.engage(), reason);
+  EXPECT_NE(rig.refusal.find(says), std::string::npos) << rig.refusal;
+  EXPECT_EQ(rig.newest().effort.tau_a[0], 0.0);
+  EXPECT_EQ(rig.engage("nobody"), "NOT_CONTROLLER");
+}
+
+TEST(EngageRefusal, SaysWhatTheStreamLacks) {
+  expect_refused("STREAM_STALE", "no proxy was accepted", [](DeviceRig&) {});
+  expect_refused("STREAM_STALE", "must be finite", [](DeviceRig& rig) {
+    for (int i = 0; i < 20; ++i) {
+      EXPECT_EQ(rig.publish(std::nan("")), server::IngressVerdict::kNotFinite);
+      rig.tick();
+    }
+  });
+  expect_refused("STREAM_STALE", "less than 100 ms is needed", [](DeviceRig& rig) {
+    rig.stream(300, 0.0);
+    rig.tick(110);
+  });
+  expect_refused("TOO_FEW_SAMPLES", "at least 10 are needed", [](DeviceRig& rig) {
+    for (int i = 0; i < 8; ++i) {
+      rig.publish(0.0);
+      rig.tick(30);
+    }
+  });
+  expect_refused("STREAM_TOO_YOUNG", "at least 200 ms are needed",
+                 [](DeviceRig& rig) { rig.stream(150, 0.0); });
+  expect_refused("STREAM_TOO_YOUNG", "at least 200 ms are needed", [](DeviceRig& rig) {
+    rig.stream(300, 0.0);
+    rig.tick(101);  // a long gap restarts the wait
+    rig.stream(50, 0.0);
+  });
+}
+
+TEST(EngageRefusal, SaysWhatTheDeviceLacks) {
+  expect_refused("DEVICE_STALE", "at most 3 ms is needed", [](DeviceRig& rig) {
+    rig.stream(300, 0.0);
+    rig.device->silent = true;
+    rig.stream(5, 0.0);  // beyond 3 periods, below max_silence
+  });
+  expect_refused("OUTSIDE_WINDOW", "would start at 3 (N or N m): at most 2.5 is allowed",
+                 [](DeviceRig& rig) { rig.stream(300, 0.03); });
+  expect_refused("NOT_ARMED", "the device is FAULT", [](DeviceRig& rig) {
+    rig.stream(300, 0.0);
+    rig.sessions->emergency_stop("", [](const Outcome<Done>&) {});
+    rig.stream(2, 0.0);
+  });
+  expect_refused("NOT_ARMED", "a Release came with it", [](DeviceRig& rig) {
+    rig.stream(250, 0.01);
+    rig.sessions->release("s1", [](const Outcome<Done>&) {});
+  });
+}
+
 /// Session s1 has the lease.
 class Engage : public testing::Test {
  protected:
   Engage() { rig.control(); }
   DeviceRig rig;
 };
-
-TEST_F(Engage, NeedsTheLease) {
-  EXPECT_EQ(rig.engage("nobody"), "NOT_CONTROLLER");
-}
-
-TEST_F(Engage, NeedsAStreamAtAll) {
-  EXPECT_EQ(rig.engage(), "STREAM_STALE");
-}
-
-TEST_F(Engage, NeedsTenSamples) {
-  for (int i = 0; i < 8; ++i) {
-    rig.publish(0.0);
-    rig.tick(30);
-  }
-  EXPECT_EQ(rig.engage(), "TOO_FEW_SAMPLES");
-  EXPECT_NE(rig.refusal.find("10"), std::string::npos);
-}
-
-TEST_F(Engage, Needs200MillisecondsWithoutAGap) {
-  rig.stream(150, 0.0);
-  EXPECT_EQ(rig.engage(), "STREAM_TOO_YOUNG");
-  EXPECT_NE(rig.refusal.find("200"), std::string::npos);
-}
-
-TEST_F(Engage, LongGapRestartsTheWait) {
-  rig.stream(300, 0.0);
-  rig.tick(101);
-  rig.stream(50, 0.0);
-  EXPECT_EQ(rig.engage(), "STREAM_TOO_YOUNG");
-}
-
-TEST_F(Engage, NeedsAProxyBeforeHoldEnd) {
-  rig.stream(300, 0.0);
-  rig.tick(110);
-  EXPECT_EQ(rig.engage(), "STREAM_STALE");
-}
-
-TEST_F(Engage, NeedsAFreshDeviceSample) {
-  rig.stream(300, 0.0);
-  rig.device->silent = true;
-  rig.stream(5, 0.0);  // beyond 3 periods, below max_silence
-  EXPECT_EQ(rig.engage(), "DEVICE_STALE");
-}
-
-TEST_F(Engage, NeedsForceWithinTheStartWindow) {
-  rig.stream(300, 0.03);  // 3 N, the window is 2.5 N
-  EXPECT_EQ(rig.engage(), "OUTSIDE_WINDOW");
-  EXPECT_NE(rig.refusal.find("3 "), std::string::npos);
-  EXPECT_NE(rig.refusal.find("2.5"), std::string::npos);
-  EXPECT_EQ(rig.newest().effort.tau_a[0], 0.0);
-}
 
 TEST_F(Engage, HeldProxyNeedsAFreeOne) {
   rig.free_epoch = rig.epoch;
@@ -75,14 +86,6 @@ TEST_F(Engage, HeldProxyNeedsAFreeOne) {
   rig.stream(2, 0.01);
   EXPECT_FALSE(rig.newest().limiters().has(core::Limiter::kNeverFree));
   EXPECT_EQ(rig.engage(), "");
-}
-
-TEST_F(Engage, NeedsArmed) {
-  rig.stream(300, 0.0);
-  rig.sessions->emergency_stop("", [](const Outcome<Done>&) {});
-  rig.stream(2, 0.0);
-  EXPECT_EQ(rig.engage(), "NOT_ARMED");
-  EXPECT_NE(rig.refusal.find("FAULT"), std::string::npos);
 }
 
 TEST_F(Engage, RampsUpAndReleaseRampsDown) {
@@ -125,25 +128,6 @@ TEST_F(Engage, LostForceNeedsAnotherRequest) {
   EXPECT_EQ(rig.engage(), "");
 }
 
-TEST_F(Engage, BurstDoesNotSaveFadingForce) {
-  rig.press();
-  rig.tick(150);  // fading: 50 of 80 ms
-  const double before = rig.newest().life.gain;
-  ASSERT_LT(before, 0.5);
-  for (int i = 0; i < 150; ++i) rig.publish(0.01);
-  rig.tick();
-  EXPECT_LT(rig.newest().life.gain, before);
-  EXPECT_EQ(rig.newest().input.proxy.seq, rig.seq);  // but where it is, is the newest
-}
-
-TEST_F(Engage, LeaseEndRefusesAPendingRequest) {
-  std::string reason;
-  rig.sessions->engage("s1",
-                       [&](const Outcome<Done>& outcome) { reason = outcome.refusal.reason; });
-  rig.sessions->close("s1");
-  EXPECT_EQ(reason, "NOT_CONTROLLER");
-}
-
 TEST_F(Engage, AbandonedRequestBringsNoForce) {
   rig.stream(250, 0.01);
   bool answered = false;
@@ -156,23 +140,6 @@ TEST_F(Engage, AbandonedRequestBringsNoForce) {
   EXPECT_EQ(rig.state(), core::LifecycleState::kArmed);
   EXPECT_EQ(rig.newest().life.gain, 0.0);
   EXPECT_EQ(rig.engage(), "") << "the next one is as good as ever";
-}
-
-TEST_F(Engage, SameTickReleaseRefusesIt) {
-  rig.stream(250, 0.01);
-  rig.sessions->release("s1", [](const Outcome<Done>&) {});
-  EXPECT_EQ(rig.engage(), "NOT_ARMED");
-  EXPECT_NE(rig.refusal.find("Release"), std::string::npos) << rig.refusal;
-  EXPECT_EQ(rig.state(), core::LifecycleState::kArmed);
-}
-
-TEST_F(Engage, NamesWhySamplesWereRefused) {
-  for (int i = 0; i < 20; ++i) {
-    EXPECT_EQ(rig.publish(std::nan("")), server::IngressVerdict::kNotFinite);
-    rig.tick();
-  }
-  EXPECT_EQ(rig.engage(), "STREAM_STALE");
-  EXPECT_NE(rig.refusal.find("must be finite"), std::string::npos) << rig.refusal;
 }
 
 }  // namespace

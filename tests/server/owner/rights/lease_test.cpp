@@ -21,20 +21,12 @@ bool contains(const std::vector<std::string>& all, const std::string& one) {
 
 TEST(Lease, FreeDeviceIsGrantedAndArms) {
   DeviceRig rig;
-  rig.tick(3);
-  EXPECT_EQ(rig.state(), LifecycleState::kIdle);
   const auto reply = rig.ask(request("s1", "alice"));
-  ASSERT_TRUE(reply->lease.has_value());
+  ASSERT_TRUE(reply->lease.has_value()) << "before the loop ticks";
   EXPECT_EQ(reply->lease->epoch, 1U);
   EXPECT_EQ(rig.sessions->controller(), "alice");
   rig.tick(5);
   EXPECT_EQ(rig.state(), LifecycleState::kArmed);
-}
-
-TEST(Lease, IsGrantedBeforeTheLoopTicks) {
-  DeviceRig rig;
-  const auto reply = rig.ask(request("s1", "alice"));
-  EXPECT_TRUE(reply->lease.has_value());
 }
 
 TEST(Lease, SecondControllerLearnsTheHoldersName) {
@@ -47,15 +39,6 @@ TEST(Lease, SecondControllerLearnsTheHoldersName) {
   EXPECT_NE(reply->refusal->message.view().find("'alice'"), std::string::npos);
   rig.tick(10);
   EXPECT_EQ(rig.sessions->controller(), "alice");
-}
-
-TEST(Lease, EveryControllerRaisesTheEpoch) {
-  DeviceRig rig;
-  for (std::uint32_t n = 1; n <= 4; ++n) {
-    const std::string id = "s" + std::to_string(n);
-    EXPECT_EQ(rig.control(id).epoch, n);
-    rig.sessions->close(id);
-  }
 }
 
 TEST(Lease, ExpiresFromItsOpeningWithoutSamples) {
@@ -88,7 +71,6 @@ TEST(Lease, InvalidSamplesDoNotRenewIt) {
   rig.press();
   ASSERT_EQ(rig.state(), LifecycleState::kEngaged);
   const std::uint64_t newest = rig.seq;
-  int until_force_is_gone = 0;
   for (int i = 1; i <= 2000; ++i) {
     const bool held = rig.sessions->holds_lease("s1");
     rig.seq = newest - 1;
@@ -96,9 +78,10 @@ TEST(Lease, InvalidSamplesDoNotRenewIt) {
     rig.seq = newest + 1000;
     EXPECT_EQ(rig.publish(2000.0), held ? IngressVerdict::kOutOfBounds : IngressVerdict::kOldEpoch);
     rig.tick();
-    if (rig.newest().effort.tau_elastic[0] != 0.0) until_force_is_gone = i;
+    if (i > 200) {
+      ASSERT_EQ(rig.newest().effort.tau_elastic[0], 0.0);
+    }
   }
-  EXPECT_LT(until_force_is_gone, 200);
   EXPECT_FALSE(rig.sessions->holds_lease("s1"));
   rig.tick(2);
   EXPECT_EQ(rig.state(), LifecycleState::kIdle);

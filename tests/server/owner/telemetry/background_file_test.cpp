@@ -9,11 +9,10 @@
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
-#include <fstream>
 #include <mutex>
-#include <sstream>
 #include <thread>
 
+#include "tests/support/file_text.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace haptic::server {
@@ -32,9 +31,7 @@ TEST(BackgroundFile, KeepsTheOrderOfAppends) {
       expected += line;
     }
   }
-  std::stringstream found;
-  found << std::ifstream(scratch.path()).rdbuf();
-  EXPECT_EQ(found.str(), expected);
+  EXPECT_EQ(test::file_text(scratch.path()), expected);
 }
 
 /// A disk that hangs until it is let go.
@@ -97,12 +94,6 @@ BackgroundFile::Write disk_of(std::size_t room) {
   };
 }
 
-std::string text_of(const std::filesystem::path& path) {
-  std::stringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
 TEST(BackgroundFile, FullDiskLeavesWholeLines) {
   for (const auto& [room, expected] :
        {std::pair{10, "ab\ncdef\n"}, std::pair{8, "ab\ncdef\n"}, std::pair{7, "ab\n"},
@@ -113,7 +104,7 @@ TEST(BackgroundFile, FullDiskLeavesWholeLines) {
                           disk_of(static_cast<std::size_t>(room)));
       for (const char* line : {"ab\n", "cdef\n", "ghi\n"}) ASSERT_TRUE(file.append(line));
     }
-    EXPECT_EQ(text_of(scratch.path()), expected) << room;
+    EXPECT_EQ(test::file_text(scratch.path()), expected) << room;
   }
 }
 
@@ -134,15 +125,6 @@ TEST(BackgroundFile, FileSizeLimitEndsNoProcess) {
   const NewFile opened = create_file(scratch.path(), true);
   EXPECT_EXIT(write_beyond_limit(opened), testing::ExitedWithCode(0), "");
   EXPECT_EQ(std::filesystem::file_size(scratch.path()), 20'000U);
-}
-
-TEST(BackgroundFile, AFullDiskEndsIt) {
-  BackgroundFile file({"/dev/full", ::open("/dev/full", O_WRONLY)});
-  const std::string line = std::string(4095, 'x') + '\n';
-  const auto give_up = Clock::now() + std::chrono::seconds(20);
-  while (!file.ended() && Clock::now() < give_up) static_cast<void>(file.append(line));
-  EXPECT_TRUE(file.ended());
-  EXPECT_FALSE(file.append(line));
 }
 
 }  // namespace

@@ -7,11 +7,11 @@
 #include <unistd.h>
 
 #include <fstream>
-#include <functional>
-#include <sstream>
 #include <string>
 
 #include "haptic/core/error.hpp"
+#include "tests/support/file_text.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace haptic::server {
@@ -24,28 +24,15 @@ class NewFileTest : public testing::Test {
   const test::ScratchFolder folder{};
   const fs::path run = folder.path() / "run.csv";
 
-  static std::string text_of(const fs::path& path) {
-    std::stringstream text;
-    text << std::ifstream(path).rdbuf();
-    return text.str();
-  }
   static void write(const NewFile& file, const std::string& text) {
     EXPECT_EQ(::write(file.descriptor, text.data(), text.size()),
               static_cast<ssize_t>(text.size()));
   }
   /// Message of create_file() and check_creatable(); both must refuse for the same reason.
   static std::string refused(const fs::path& path, bool overwrite) {
-    std::string said;
-    for (const auto& tried : {std::function<void()>([&] { check_creatable(path, overwrite); }),
-                              std::function<void()>([&] { (void)create_file(path, overwrite); })}) {
-      try {
-        tried();
-        return "no error";
-      } catch (const core::SceneError& error) {
-        EXPECT_TRUE(said.empty() || said == error.what()) << said << "\n" << error.what();
-        said = error.what();
-      }
-    }
+    const auto said = test::message_of<core::SceneError>([&] { check_creatable(path, overwrite); });
+    EXPECT_EQ(test::message_of<core::SceneError>([&] { return create_file(path, overwrite); }),
+              said);
     return said;
   }
 };
@@ -57,9 +44,9 @@ TEST_F(NewFileTest, FormerRecordingStays) {
     write(file, text);
     ::close(file.descriptor);
   }
-  EXPECT_EQ(text_of(run), "first");
-  EXPECT_EQ(text_of(folder.path() / "run-2.csv"), "second");
-  EXPECT_EQ(text_of(folder.path() / "run-3.csv"), "third");
+  EXPECT_EQ(test::file_text(run), "first");
+  EXPECT_EQ(test::file_text(folder.path() / "run-2.csv"), "second");
+  EXPECT_EQ(test::file_text(folder.path() / "run-3.csv"), "third");
 }
 
 TEST_F(NewFileTest, OverwriteEmptiesTheFormer) {
@@ -68,7 +55,7 @@ TEST_F(NewFileTest, OverwriteEmptiesTheFormer) {
   EXPECT_EQ(file.path, run);
   write(file, "new");
   ::close(file.descriptor);
-  EXPECT_EQ(text_of(run), "new");
+  EXPECT_EQ(test::file_text(run), "new");
 }
 
 TEST_F(NewFileTest, FilesInUseAreNotOverwritten) {
@@ -77,10 +64,10 @@ TEST_F(NewFileTest, FilesInUseAreNotOverwritten) {
     const NewFile first = create_file(path, first_overwrites);
     write(first, "kept");
     EXPECT_THROW(static_cast<void>(create_file(path, true)), core::SceneError);
-    EXPECT_EQ(text_of(path), "kept");
+    EXPECT_EQ(test::file_text(path), "kept");
     ::close(first.descriptor);
     ::close(create_file(path, true).descriptor);
-    EXPECT_EQ(text_of(path), "");
+    EXPECT_EQ(test::file_text(path), "");
   }
 }
 
@@ -95,7 +82,7 @@ TEST_F(NewFileTest, NoLinkIsFollowed) {
                                                             "symbolic link"));
     EXPECT_THAT(refused(dangling, overwrite), testing::HasSubstr("is a symbolic link"));
   }
-  EXPECT_EQ(text_of(victim), "precious");
+  EXPECT_EQ(test::file_text(victim), "precious");
   EXPECT_FALSE(fs::exists(folder.path() / "made"));
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "tests/server/support/device_rig.hpp"
 #include "tests/support/angles.hpp"
 #include "tests/support/pressing_hand.hpp"
 
@@ -37,6 +38,38 @@ struct ComparedHand {
   RendererComparison comparison;
   core::TickRecord record{};
 };
+
+/// The rig's map is the identity, so nothing couples the DoFs: all four methods are the same spring
+/// of 100 N/m, whose force is at most 10 N times the gain. The probe is at 0.
+TEST(RendererComparison, AllAgreeOnTheIdentityMap) {
+  const core::PipelineConfig rig = test::rig_config();
+  RendererComparison comparison(rig.kinematics);
+  core::TickRecord record;
+  record.input.settings = rig.scene;
+  record.sensed.q = core::VecQ::Zero(2);
+  record.anchor.x = core::VecX::Zero(2);
+  const auto expect_force = [&](double tau_a) {
+    for (const core::VecA& tau : comparison.evaluate(record)) EXPECT_NEAR(tau[0], tau_a, 1e-12);
+  };
+  const struct {
+    const char* what;
+    double gain, x, stiffness, tau_a;
+  } rows[] = {{"a spring", 1.0, 0.02, 100.0, 2.0},
+              {"with gain", 0.25, 0.02, 100.0, 0.5},
+              {"at its limit", 0.5, 0.4, 100.0, 5.0},
+              {"at its other limit", 0.5, -0.4, 100.0, -5.0},
+              {"a session's tighter one", 1.0, 0.02, 50.0, 1.0}};
+  record.anchor.projection = core::ProjectionStatus::kExact;
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.what);
+    record.life.gain = row.gain;
+    record.anchor.x[0] = row.x;
+    record.input.settings.stiffness[0] = row.stiffness;
+    expect_force(row.tau_a);
+  }
+  record.anchor.projection = core::ProjectionStatus::kNone;
+  expect_force(0.0);
+}
 
 TEST(RendererComparison, FreeImpossibleFingerIsNotPulled) {
   ComparedHand sound(3), broken(3);

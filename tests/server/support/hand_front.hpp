@@ -43,9 +43,7 @@ class HandFront final : public server::Front {
     request.lease = wish;
     request.lease.resume = wish.resume.empty() ? wish.resume : id_of(wish.resume.str());
     request.time = now;
-    ask(request, [answer = std::move(answer)](const server::Answer& a) {
-      answer(a.refusal ? Outcome<server::Lease>(*a.refusal) : Outcome<server::Lease>(a.lease));
-    });
+    ask_for(request, &server::Answer::lease, std::move(answer));
   }
   std::uint64_t engage(const std::string& name, DoneAnswer answer) {
     return ask_done(by(name, Kind::kEngage), std::move(answer));
@@ -59,19 +57,15 @@ class HandFront final : public server::Front {
   }
   void clear_faults(core::FaultSet faults, ClearAnswer answer) {
     server::Request request{.kind = Kind::kClear, .faults = faults};
-    ask(request, [answer = std::move(answer)](const server::Answer& a) {
-      answer(a.refusal ? Outcome<core::FaultSet>(*a.refusal) : Outcome<core::FaultSet>(a.faults));
-    });
+    ask_for(request, &server::Answer::faults, std::move(answer));
   }
   Outcome<server::Settings> update_settings(const std::string& name,
                                             const server::SettingsRequest& settings) {
     server::Request request = by(name, Kind::kSettings);
     request.settings = settings;
     Outcome<server::Settings> outcome{server::Refusal{}};
-    ask(request, [&outcome](const server::Answer& a) {
-      outcome =
-          a.refusal ? Outcome<server::Settings>(*a.refusal) : Outcome<server::Settings>(a.settings);
-    });
+    ask_for<server::Settings>(request, &server::Answer::settings,
+                              [&outcome](const auto& answer) { outcome = answer; });
     return outcome;
   }
   void close(const std::string& name, Ending ending = Ending::kGivenUp) {
@@ -120,6 +114,13 @@ class HandFront final : public server::Front {
  private:
   server::Request by(const std::string& name, Kind kind) {
     return {.kind = kind, .session_id = id_of(name)};
+  }
+  template <typename T>
+  void ask_for(const server::Request& request, T server::Answer::*value,
+               std::function<void(const Outcome<T>&)> answer) {
+    ask(request, [value, answer = std::move(answer)](const server::Answer& a) {
+      answer(a.refusal ? Outcome<T>(*a.refusal) : Outcome<T>(a.*value));
+    });
   }
   std::uint64_t ask_done(const server::Request& request, DoneAnswer answer) {
     return ask(request, [answer = std::move(answer)](const server::Answer& a) {

@@ -1,12 +1,14 @@
 #pragma once
 /// A client on the bare stubs: it sends exactly the test's messages.
 
+#include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -54,6 +56,24 @@ inline std::string detail_of(const grpc::Status& status, const std::string& key)
 inline std::string field_of(const grpc::Status& status) {
   const auto bad = detail_in<google::rpc::BadRequest>(status);
   return bad.field_violations_size() > 0 ? bad.field_violations(0).field() : std::string();
+}
+
+/// A call of bytes: its status, and the answer's bytes.
+inline std::pair<grpc::Status, std::string> raw_call(const std::shared_ptr<grpc::Channel>& channel,
+                                                     const std::string& path,
+                                                     const std::string& request) {
+  grpc::GenericStub stub(channel);
+  grpc::ClientContext context;
+  const grpc::Slice bytes(request);
+  const grpc::ByteBuffer sent(&bytes, 1);
+  grpc::ByteBuffer got;
+  std::promise<grpc::Status> done;
+  stub.UnaryCall(&context, path, {}, &sent, &got,
+                 [&](const grpc::Status& status) { done.set_value(status); });
+  const grpc::Status status = done.get_future().get();
+  grpc::Slice answer;
+  if (!got.DumpToSingleSlice(&answer).ok()) return {status, ""};
+  return {status, {reinterpret_cast<const char*>(answer.begin()), answer.size()}};
 }
 
 inline v1::SessionRequest open_message(v1::Role role, const std::string& name) {
@@ -105,10 +125,13 @@ class TestSession {
   }
   bool publish(std::vector<double> x) { return publish(std::move(x), ++seq); }
 
-  /// Publishes (a, 0) at the nominal rate from a thread of its own, whatever else the test does.
-  /// The proxy is free until a state says so: the probe comes from outside.
-  void stream(double a) {
-    a_ = a;
+  /// Publishes `x` at the nominal rate from a thread of its own, whatever else the test does. The
+  /// proxy is free until a state says so: the probe comes from outside.
+  void stream(std::vector<double> x) {
+    {
+      const std::lock_guard lock(mutex_);
+      streamed_ = std::move(x);
+    }
     if (publisher_.joinable()) return;
     streaming_ = true;
     publisher_ = std::thread([this, was_free = false]() mutable {
@@ -117,20 +140,21 @@ class TestSession {
         const v1::DeviceState now = state();
         was_free = was_free || (now.mode() == v1::PROXY_MODE_FREE &&
                                 now.lease_epoch() == opened().lease_epoch());
-        publish({a_, 0.0}, ++seq, was_free ? v1::PROXY_MODE_HELD : v1::PROXY_MODE_FREE);
+        publish(get(streamed_), ++seq, was_free ? v1::PROXY_MODE_HELD : v1::PROXY_MODE_FREE);
         next = std::max(next + kPeriod, std::chrono::steady_clock::now());
         std::this_thread::sleep_until(next);
       }
     });
   }
+  void stream(double a) { stream({a, 0.0}); }
   void stop_streaming() {
     streaming_ = false;
     if (publisher_.joinable()) publisher_.join();
   }
 
   /// Streams and asks for force until it is fully on.
-  [[nodiscard]] bool press(double a = 0.01) {
-    stream(a);
+  [[nodiscard]] bool press(std::vector<double> x = {0.01, 0.0}) {
+    stream(std::move(x));
     return eventually([&] {
       if (state().state() == v1::DEVICE_STATE_NAME_ARMED) static_cast<void>(engage());
       return state().state() == v1::DEVICE_STATE_NAME_ENGAGED;
@@ -206,10 +230,10 @@ class TestSession {
   std::unique_ptr<grpc::ClientReaderWriter<v1::SessionRequest, v1::SessionResponse>> stream_;
   std::mutex write_mutex_;
   bool half_closed_{false};
-  std::atomic<double> a_{0.0};
   std::atomic<bool> streaming_{false};
   std::thread publisher_;
   std::mutex mutex_;
+  std::vector<double> streamed_;
   v1::SessionOpened opened_;
   v1::DeviceState state_;
   v1::SampleAck ack_;

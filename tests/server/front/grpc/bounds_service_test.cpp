@@ -10,9 +10,16 @@ TEST(Bounds, ObserversLeaveAControllersPlace) {
   LiveServer server({.listen = {"127.0.0.1:0"}, .max_sessions = 1});
   OpenSession observer(server.channel(), v1::ROLE_OBSERVER, "observer");
   TestSession second(server.channel(), v1::ROLE_OBSERVER, "one too many");
-  EXPECT_EQ(reason_of(second.status()), "TOO_MANY_SESSIONS");
+  EXPECT_EQ(refusal(second.status()),
+            (Refusal{grpc::StatusCode::RESOURCE_EXHAUSTED, "TOO_MANY_SESSIONS"}));
+  EXPECT_EQ(detail_of(second.status(), "limit"), "1");
   OpenSession controller(server.channel());
   EXPECT_FALSE(observer.ended());
+  observer.cancel();
+  EXPECT_TRUE(eventually([&] {
+    TestSession again(server.channel(), v1::ROLE_OBSERVER, "takes its place");
+    return again.wait_opened();
+  }));
 }
 
 TEST(Bounds, FormerControllersGiveWay) {

@@ -8,13 +8,12 @@
 
 #include <array>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <string>
 
 #include "server/front/grpc/rpc_server.hpp"
 #include "tests/server/support/live_server.hpp"
+#include "tests/support/file_text.hpp"
 
 namespace haptic::test {
 namespace {
@@ -132,8 +131,7 @@ TEST(KeepAlive, KeepsClientsThatAnswerPings) {
 
 TEST(KeepAlive, MatchesTheProtocolAndIdleClients) {
   const server::KeepAlive shipped = server::ServiceLimits{}.keep_alive;
-  std::ifstream file(HAPTIC_SOURCE_DIR "/proto/README.md");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text = file_text(HAPTIC_SOURCE_DIR "/proto/README.md");
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(shipped.given_up_after());
   EXPECT_NE(text.find("| connection without a sign of life | given up after " +
                       std::to_string(seconds.count()) + " s"),

@@ -72,26 +72,6 @@ class Poses {
   std::thread thread_;
 };
 
-/// Holds the proxy at `x`, free until there is force, and asks for force until it is fully on.
-bool press(TestSession& controller, const std::vector<double>& x, std::atomic<bool>& running,
-           std::thread& publisher) {
-  publisher = std::thread([&controller, x, &running] {
-    auto next = std::chrono::steady_clock::now();
-    while (running) {
-      const bool force = controller.state().gain() > 0.0;
-      controller.publish(x, ++controller.seq, force ? v1::PROXY_MODE_HELD : v1::PROXY_MODE_FREE);
-      next = std::max(next + 10ms, std::chrono::steady_clock::now());
-      std::this_thread::sleep_until(next);
-    }
-  });
-  return eventually([&] {
-    if (controller.state().state() == v1::DEVICE_STATE_NAME_ARMED) {
-      static_cast<void>(controller.engage());
-    }
-    return controller.state().state() == v1::DEVICE_STATE_NAME_ENGAGED;
-  });
-}
-
 TEST(TrackerService, TrackersSilenceEndsTheForce) {
   LiveApp server;
   OpenSession tracker(server.channel, tracker_opening("camera"));
@@ -99,14 +79,9 @@ TEST(TrackerService, TrackersSilenceEndsTheForce) {
   EXPECT_EQ(tracker.opened().lease_epoch(), 0u);
   EXPECT_EQ(tracker.opened().fresh_end().nanos(), 25'000'000);  // 2.5 periods
   OpenSession controller(server.channel, v1::ROLE_CONTROLLER, "simulation");
-  {
-    // No pose so far: no force.
-    controller.stream(0.0);  // refused samples, but a stream
-    EXPECT_TRUE(eventually([&] { return controller.state().has_tracker(); }));
-    EXPECT_EQ(controller.state().tracker().staleness(), v1::STALENESS_LEVEL_LOST);
-    EXPECT_EQ(controller.state().tracker().seq_used(), 0u);
-    controller.stop_streaming();
-  }
+  EXPECT_TRUE(eventually([&] { return controller.state().has_tracker(); }));
+  EXPECT_EQ(controller.state().tracker().staleness(), v1::STALENESS_LEVEL_LOST) << "no pose so far";
+  EXPECT_EQ(controller.state().tracker().seq_used(), 0u);
   Poses poses(tracker, 0.1);
   ASSERT_TRUE(eventually(
       [&] { return controller.state().q_size() == 8 && controller.state().q(0) == 0.1; }));
@@ -116,10 +91,7 @@ TEST(TrackerService, TrackersSilenceEndsTheForce) {
   EXPECT_EQ(server.app.owner().status(0).tracker, "camera");
 
   const v1::DeviceState at_rest = controller.state();
-  const std::vector<double> x(at_rest.x_probe().begin(), at_rest.x_probe().end());
-  std::atomic<bool> running{true};
-  std::thread publisher;
-  EXPECT_TRUE(press(controller, x, running, publisher));
+  ASSERT_TRUE(controller.press({at_rest.x_probe().begin(), at_rest.x_probe().end()}));
   poses.stop();
   EXPECT_TRUE(eventually([&] { return controller.heard(v1::Event::KIND_LOST); }));
   EXPECT_TRUE(
@@ -133,8 +105,6 @@ TEST(TrackerService, TrackersSilenceEndsTheForce) {
     EXPECT_EQ(event.reason(), "TRACKER_LOST");
   }
   EXPECT_EQ(reason_of(controller.engage()), "TRACKER_STALE");
-  running = false;
-  publisher.join();
 }
 
 TEST(TrackerService, AckNamesARefusedPose) {
@@ -148,8 +118,6 @@ TEST(TrackerService, AckNamesARefusedPose) {
   tracker.send(pose(1, 0.1));
   EXPECT_TRUE(eventually([&] { return tracker.ack().rejected_old() == 1; }));
   EXPECT_EQ(tracker.ack().accepted(), 1u);
-  tracker.publish({0.0}, 5);  // a proxy: it holds no lease
-  EXPECT_TRUE(eventually([&] { return tracker.ack().rejected_old() == 2; }));
   EXPECT_EQ(reason_of(tracker.engage()), "NOT_CONTROLLER");
 
   OpenSession controller(server.channel, v1::ROLE_CONTROLLER, "simulation");

@@ -7,9 +7,9 @@
 #include <sys/socket.h>
 
 #include <array>
+#include <functional>
 #include <mutex>
 
-#include "haptic/core/error.hpp"
 #include "server/owner/link/listeners.hpp"
 #include "tests/server/support/port_of.hpp"
 #include "tests/support/within.hpp"
@@ -130,30 +130,6 @@ TEST(Connections, OnePeerLeavesRoomForOthers) {
   EXPECT_FALSE(callers[2].cut());
 }
 
-TEST(Connections, BytesWithoutMeaningAreCut) {
-  Door door({});
-  Caller caller(door.port());
-  EXPECT_TRUE(eventually([&] {
-    door.read_all();
-    return !caller.send(4096);
-  }));
-  EXPECT_EQ(door.connections.cut(), 1U);
-}
-
-TEST(Connections, UnderstoodBytesAreKept) {
-  Door door({.debt = 8192, .forgiven_per_second = 0});
-  Caller caller(door.port());
-  ASSERT_TRUE(eventually([&] { return door.accepted() == 1; }));
-  const auto account = door.connections.account(caller.name());
-  for (int i = 0; i < 200; ++i) {
-    account->message(4096);
-    ASSERT_TRUE(caller.send(4096));
-    door.read_all();
-    std::this_thread::sleep_for(1ms);
-  }
-  EXPECT_FALSE(caller.cut());
-}
-
 TEST(Connections, WhatNobodyReadsIsNoDebt) {
   Door door({.debt = 8192});
   Caller caller(door.port());
@@ -203,21 +179,29 @@ TEST(Connections, AllDebtsTogetherAreBounded) {
   }));
 }
 
-TEST(Connections, GrowingMemoryCutsItsCause) {
-  Door door({.growth = 4 << 20, .memory = 8ULL << 30});
-  Caller quiet(door.port()), streams(door.port()), caller(door.port());
-  ASSERT_TRUE(eventually([&] { return door.accepted() == 3; }));
-  const auto samples = door.connections.account(streams.name());
+/// The process grows by 2 MB at a time, with a little from the caller each time, until that is cut.
+void grow_until_cut(
+    Door& door, Caller& caller, const std::function<void()>& meanwhile = [] {}) {
   std::vector<std::string> memory;
   for (int i = 0; i < 200 && !caller.cut(); ++i) {
-    quiet.send(16);
-    samples->message(1024);
-    streams.send(1024);
+    meanwhile();
     caller.send(1024);
     door.read_all();
     memory.emplace_back(2 << 20, 'x');
     std::this_thread::sleep_for(10ms);
   }
+}
+
+TEST(Connections, GrowingMemoryCutsItsCause) {
+  Door door({.growth = 4 << 20, .memory = 8ULL << 30});
+  Caller quiet(door.port()), streams(door.port()), caller(door.port());
+  ASSERT_TRUE(eventually([&] { return door.accepted() == 3; }));
+  const auto samples = door.connections.account(streams.name());
+  grow_until_cut(door, caller, [&] {
+    quiet.send(16);
+    samples->message(1024);
+    streams.send(1024);
+  });
   EXPECT_TRUE(caller.cut());
   EXPECT_FALSE(quiet.cut());
   EXPECT_FALSE(streams.cut());
@@ -228,13 +212,7 @@ TEST(Connections, FullMemoryShutsTheDoor) {
   Door door({.growth = 4 << 20, .memory = 1});
   Caller caller(door.port());
   ASSERT_TRUE(eventually([&] { return door.accepted() == 1; }));
-  std::vector<std::string> memory;
-  for (int i = 0; i < 200 && !caller.cut(); ++i) {
-    caller.send(1024);
-    door.read_all();
-    memory.emplace_back(2 << 20, 'x');
-    std::this_thread::sleep_for(10ms);
-  }
+  grow_until_cut(door, caller);
   const auto cut = std::chrono::steady_clock::now();
   const Caller next(door.port());
   EXPECT_TRUE(eventually([&] { return door.accepted() == 2; })) << "not for ever";
@@ -268,18 +246,6 @@ TEST(Connections, ClosingCutsWhatStays) {
   ASSERT_TRUE(eventually([&] { return door.accepted() == 1; }));
   door.connections.close(50ms);
   EXPECT_TRUE(eventually([&] { return caller.cut(); }));
-}
-
-TEST(Connections, AnAddressInUseIsNamed) {
-  Door door({});
-  const std::string address = "127.0.0.1:" + std::to_string(door.port());
-  try {
-    const server::Listeners second({{address}}, false);
-    FAIL() << "bound twice";
-  } catch (const core::TransportError& error) {
-    EXPECT_NE(std::string(error.what()).find(address), std::string::npos) << error.what();
-    EXPECT_NE(std::string(error.what()).find("in use"), std::string::npos) << error.what();
-  }
 }
 
 TEST(Connections, FewDescriptorsAreRefusedByNumber) {

@@ -179,15 +179,5 @@ TEST_F(LinkWatchTest, CountsPerCarrier) {
   EXPECT_EQ(watch.figures(Carrier::kUdp).samples, 1U);
 }
 
-TEST_F(LinkWatchTest, PercentilesOfTheAgeAtUse) {
-  for (int i = 1; i <= 1000; ++i) {
-    watch.used(now, i <= 980 ? 5ms : 50ms);
-    now += 1ms;
-  }
-  const server::Percentiles ages = watch.age_at_use();
-  EXPECT_NEAR(core::seconds(ages.p50), 0.005, 0.005 / 64);
-  EXPECT_NEAR(core::seconds(ages.p99), 0.050, 0.050 / 64);
-}
-
 }  // namespace
 }  // namespace haptic::test

@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "haptic/core/error.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace haptic::server {
 namespace {
@@ -19,13 +20,11 @@ using testing::HasSubstr;
 /// An owner with one hand, by which it says its welcome.
 class HelloTest : public testing::Test {
  protected:
-  HelloTest() {
-    config_.addresses = {{"127.0.0.1:1"}};
-    std::tie(owner_, front_) = packet_pair();
-  }
+  HelloTest() { config_.addresses = {{"127.0.0.1:1"}}; }
 
   /// The front's words about a welcome with the first `given` of its descriptors.
   std::string answer(const std::string& config, std::size_t given = 5) {
+    std::tie(owner_, front_) = packet_pair();
     SharedMemory bytes("config", std::max<std::size_t>(config.size(), 1),
                        SharedMemory::Access::kRead);
     std::memcpy(bytes.data(), config.data(), config.size());
@@ -36,12 +35,7 @@ class HelloTest : public testing::Test {
     welcome.config_bytes = config.size();
     EXPECT_TRUE(send(owner_.get(), welcome, std::span(all, given)));
     OwnerLink link(std::move(front_));
-    try {
-      start_ = link.hello();
-    } catch (const core::TransportError& error) {
-      return error.what();
-    }
-    return {};
+    return test::message_of<core::TransportError>([&] { start_ = link.hello(); });
   }
 
   FrontConfig config_{};
@@ -52,7 +46,7 @@ class HelloTest : public testing::Test {
 };
 
 TEST_F(HelloTest, BringsConfigurationAndSockets) {
-  EXPECT_EQ(answer(to_bytes(config_)), "");
+  EXPECT_EQ(answer(to_bytes(config_)), "no error");
   EXPECT_EQ(start_.config.addresses[0].name, "127.0.0.1:1");
   EXPECT_EQ(start_.sockets.size(), 1U);
   EXPECT_EQ(start_.files.size(), 0U);
@@ -62,25 +56,22 @@ TEST_F(HelloTest, BringsConfigurationAndSockets) {
   EXPECT_EQ(hello.layout, layout_hash());
 }
 
-TEST_F(HelloTest, WithoutDescriptorsIsRefused) {
-  EXPECT_THAT(answer(to_bytes(config_), 0), HasSubstr("has 0 descriptors: must have at least 4"));
-}
-
-TEST_F(HelloTest, WithoutASocketIsRefused) {
-  EXPECT_THAT(answer(to_bytes(config_), 4), HasSubstr("has 4 descriptors: must have 5"));
-}
-
-TEST_F(HelloTest, WithOneTooManyIsRefused) {
-  EXPECT_THAT(answer(to_bytes(config_), 6), HasSubstr("has 6 descriptors: must have 5"));
-}
-
-TEST_F(HelloTest, DamagedConfigurationIsRefused) {
-  EXPECT_THAT(answer(to_bytes(config_).substr(8)), HasSubstr("front configuration: "));
-}
-
-TEST_F(HelloTest, PagesOfOtherDevicesAreRefused) {
-  config_.devices.resize(1);
-  EXPECT_THAT(answer(to_bytes(config_)), HasSubstr("shared memory: has "));
+TEST_F(HelloTest, WrongOnesAreRefused) {
+  FrontConfig of_a_device = config_;
+  of_a_device.devices.resize(1);
+  const std::string good = to_bytes(config_);
+  const struct {
+    std::string config;
+    std::size_t given;
+    const char* says;
+  } rows[] = {{good, 0, "has 0 descriptors: must have at least 4"},
+              {good, 4, "has 4 descriptors: must have 5"},
+              {good, 6, "has 6 descriptors: must have 5"},
+              {good.substr(8), 5, "front configuration: "},
+              {to_bytes(of_a_device), 5, "shared memory: has "}};
+  for (const auto& [config, given, says] : rows) {
+    EXPECT_THAT(answer(config, given), HasSubstr(says));
+  }
 }
 
 }  // namespace

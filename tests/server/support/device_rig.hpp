@@ -144,8 +144,7 @@ class DeviceRig {
 
  private:
   struct Newest final : server::RecordListener {
-    void on_record(const core::TickRecord& /*record*/) override {}
-    void on_newest(const core::TickRecord& newest) override {
+    void on_record(const core::TickRecord& newest) override {
       const std::lock_guard lock(mutex);
       record = newest;
     }

@@ -29,7 +29,7 @@ struct FrontConfig {
   enum class Use : std::uint8_t { kGrpc, kWeb, kMetrics };
   /// An address as it is bound.
   struct Address {
-    std::string name{};  ///< "127.0.0.1:29470", "unix:/run/hapticd/s"
+    std::string name{};  ///< "127.0.0.1:0", "unix:/run/hapticd/s"
     Use use{Use::kGrpc};
     Protection protection{Protection::kThisHost};
     std::uint32_t sockets{1};  ///< a name may stand for several

@@ -137,7 +137,7 @@ class Role(OnATrackedPalm):
 
 class Seen(OnATrackedPalm):
     def test_hapticctl_and_recording_name_it(self) -> None:
-        self.assertIn("palm by a tracker: nobody", self.hapticctl("info"))
+        self.assertIn("palm by a tracker: none", self.hapticctl("info"))
         session = self.open(client_name="simulation")
         tracker = self.open(tracker=True, client_name="camera")
         self.while_told(session, tracker, lambda s: s.tracker.seq_used > 3)

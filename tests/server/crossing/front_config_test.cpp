@@ -31,7 +31,7 @@ FrontConfig full() {
   config.tls = TlsConfig{"/a b.pem", "/c.key", "/d.pem", {{"surgeon", Priority::kOperator}}};
   config.web = WebConfig{{"localhost:0"},
                          {"robot"},
-                         {"https://twin"},
+                         {"https://twin.example"},
                          {{"unity", "/t", {true, Priority::kPrimary}}},
                          {true, Priority::kPrimary}};
   config.insecure_lab = true;

@@ -2,7 +2,6 @@
 #include "haptic/core/names.hpp"
 
 #include "haptic/core/fault.hpp"
-#include "haptic/core/projection_status.hpp"
 
 namespace haptic::core {
 
@@ -24,13 +23,6 @@ std::string_view reason(Limiter limiter) noexcept {
       "DRIVE_LIMIT", "CONTACTS",    "SINGULAR",  "BRANCH",
       "NEVER_FREE",  "DERATED"};
   return name_of(limiter, kNames);
-}
-
-std::string_view name(ProjectionStatus status) noexcept {
-  static constexpr std::array<std::string_view, 8> kNames{
-      "NONE",        "EXACT",           "CONVERGED",      "CAPPED",
-      "UNREACHABLE", "ILL_CONDITIONED", "RANK_DEFICIENT", "MAP_FAILED"};
-  return name_of(status, kNames);
 }
 
 }  // namespace haptic::core

@@ -15,18 +15,18 @@ std::uint32_t BoardHost::new_number(std::uint32_t unlike) {
 }
 
 template <typename Message>
-std::uint32_t BoardHost::send(FrameType type, const Message& message) {
+void BoardHost::send(hf_type type, const Message& message) {
   const Payload payload = write(message);
-  WireBuffer wire;
-  const std::size_t length = encode({type, ++tx_seq_, payload.view()}, wire);
+  std::array<std::uint8_t, HF_MAX_WIRE> wire;
+  const std::size_t length = hf_encode(static_cast<std::uint8_t>(type), ++tx_seq_,
+                                       payload.bytes.data(), payload.length, wire.data());
   if (length > output_.size() - output_length_) {
     ++counters_.commands_held_back;
-    return 0;
+    return;
   }
   std::copy_n(wire.begin(), length, output_.begin() + static_cast<std::ptrdiff_t>(output_length_));
   output_length_ += length;
   ++counters_.sent;
-  return tx_seq_;
 }
 
 void BoardHost::consume(std::size_t count) noexcept {
@@ -47,29 +47,29 @@ void BoardHost::connect(core::TimePoint now) {
 
 void BoardHost::disconnect() {
   stage_ = Stage::kClosed;
-  decoder_.reset();
+  hf_reset(&decoder_);
   output_length_ = 0;
   reading_.open = reading_.broken = reading_.force_over_limit = false;
   reading_.armed = 0;
   nonce_ = board_nonce_ = 0;  // the next arming needs a new request
-  board_state_ = BoardState::kDisarmed;
+  board_state_ = HB_DISARMED;
 }
 
 void BoardHost::greet(core::TimePoint now) {
   identified_ = false;
   dofs_.fill(std::nullopt);
   greeted_ = now;
-  send(FrameType::kHello, Hello{kProtocolVersion, session_});
+  send(HF_HELLO, Hello{HB_PROTOCOL_VERSION, session_});
 }
 
-void BoardHost::on_identity(const Frame& frame) {
-  const auto identity = read<Identity>(frame.payload);
+void BoardHost::on_identity() {
+  const auto identity = read<Identity>(payload());
   if (!identity) {
     ++counters_.malformed;
     return;
   }
   if (stage_ != Stage::kGreeting || identity->session != session_) return;
-  filter_.restart(frame.seq);
+  filter_.restart(decoder_.seq);
   identity_ = *identity;
   identified_ = true;
   refuse_if(difference(expected_, identity_, known_));
@@ -93,7 +93,6 @@ void BoardHost::on_dof(const Dof& dof) {
   refuse_if(difference_of_actuators(expected_, identity_));
   if (stage_ == Stage::kRefused) return;
   stage_ = Stage::kOpen;
-  ++counters_.handshakes;
   clock_.restart();
 }
 
@@ -113,48 +112,47 @@ Introduction BoardHost::introduction() const {
 // ---- frames ---------------------------------------------------------------------------------------
 
 void BoardHost::receive(std::span<const std::uint8_t> bytes, core::TimePoint now) {
-  counters_.bytes += bytes.size();
   for (const std::uint8_t byte : bytes) {
-    switch (decoder_.push(byte)) {
-      case FrameDecoder::Event::kFrame:
+    switch (hf_push(&decoder_, byte)) {
+      case HF_FRAME:
         ++counters_.frames;
-        on_frame(decoder_.frame(), now);
+        on_frame(now);
         break;
-      case FrameDecoder::Event::kMalformed:
+      case HF_MALFORMED:
         ++counters_.malformed;
         break;
-      case FrameDecoder::Event::kBadCrc:
+      case HF_BAD_CRC:
         ++counters_.bad_crc;
         break;
-      case FrameDecoder::Event::kNone:
+      case HF_NONE:
         break;
     }
   }
 }
 
-void BoardHost::on_frame(const Frame& frame, core::TimePoint now) {
+void BoardHost::on_frame(core::TimePoint now) {
   if (stage_ == Stage::kClosed) return;
-  if (frame.type == FrameType::kIdentity && stage_ == Stage::kGreeting) {
-    on_identity(frame);
+  if (decoder_.type == HF_IDENTITY && stage_ == Stage::kGreeting) {
+    on_identity();
     return;
   }
   if (!identified_) return;  // a frame of an earlier session
-  if (!filter_.accept(frame.seq)) {
+  if (!filter_.accept(decoder_.seq)) {
     ++counters_.not_newer;
     return;
   }
   counters_.lost = filter_.lost();
   heard_ = now;
-  if (frame.type == FrameType::kDof) {
-    if (const auto dof = read<Dof>(frame.payload)) return on_dof(*dof);
-  } else if (frame.type == FrameType::kState) {
-    if (const auto state = read<State>(frame.payload)) return on_state(*state, now);
-  } else if (frame.type == FrameType::kCounters) {
-    if (const auto counters = read<Counters>(frame.payload)) {
+  if (decoder_.type == HF_DOF) {
+    if (const auto dof = read<Dof>(payload())) return on_dof(*dof);
+  } else if (decoder_.type == HF_STATE) {
+    if (const auto state = read<State>(payload())) return on_state(*state, now);
+  } else if (decoder_.type == HF_COUNTERS) {
+    if (const auto counters = read<Counters>(payload())) {
       counters_.board = *counters;
       return;
     }
-  } else if (frame.type == FrameType::kIdentity) {
+  } else if (decoder_.type == HF_IDENTITY) {
     return;  // the answer to a HELLO sent twice
   }
   ++counters_.malformed;
@@ -166,7 +164,6 @@ void BoardHost::on_state(const State& state, core::TimePoint now) {
     ++counters_.malformed;
     return;
   }
-  ++counters_.states;
   board_state_ = state.state;
   board_nonce_ = state.nonce;
   reading_.open = true;
@@ -177,28 +174,17 @@ void BoardHost::on_state(const State& state, core::TimePoint now) {
   reading_.force.resize(state.n_f);
   for (int i = 0; i < state.n_f; ++i) reading_.force[i] = static_cast<double>(state.force[i]);
   follow_arming(state);
-  time_round_trip(state, now);
 }
 
 void BoardHost::follow_arming(const State& state) noexcept {
   const bool ours = nonce_ != 0 && state.nonce == nonce_;
-  const bool latched = state.state == BoardState::kStopped || state.state == BoardState::kFault;
-  reading_.armed = ours && state.state == BoardState::kArmed ? arming_ : 0;
+  const bool latched = state.state == HB_STOPPED || state.state == HB_FAULT;
+  reading_.armed = ours && state.state == HB_ARMED ? arming_ : 0;
   // A latched stop counts while it belongs to the present arming; later it only waits for the next
   // one. A fault that is present now always counts.
   reading_.broken = (latched && ours) || state.faults != 0;
   reading_.force_over_limit =
-      (state.faults & kForceOverLimit) != 0 || (latched && ours && reading_.force_over_limit);
-}
-
-void BoardHost::time_round_trip(const State& state, core::TimePoint now) noexcept {
-  const Sent& sent = sent_[state.command_seq % sent_.size()];
-  if (state.command_seq == 0 || sent.seq != state.command_seq || state.command_age_us == 65535) {
-    return;
-  }
-  const core::Duration way = now - sent.at - std::chrono::microseconds(state.command_age_us);
-  counters_.round_trip = way;
-  counters_.longest_round_trip = std::max(counters_.longest_round_trip, way);
+      (state.faults & HB_FORCE_OVER_LIMIT) != 0 || (latched && ours && reading_.force_over_limit);
 }
 
 // ---- arming and commands --------------------------------------------------------------------------
@@ -212,27 +198,26 @@ void BoardHost::want(const Wanted& wanted, core::TimePoint now) {
     nonce_ = 0;
     reading_.armed = 0;
     asked_ = now;
-    send(FrameType::kDisarm, Disarm{});
+    send(HF_DISARM, Disarm{});
     return;
   }
   if (wanted.arming != arming_) {
     arming_ = wanted.arming;
     nonce_ = new_number(nonce_ != 0 ? nonce_ : board_nonce_);
     asked_ = now;
-    send(FrameType::kArm, Arm{nonce_});
+    send(HF_ARM, Arm{nonce_});
   }
   if (nonce_ == 0) return;  // the link was lost: this arming is over
   Command command;
   command.nonce = nonce_;
   command.n_a = identity_.n_a;
   const bool by_position = wanted.position.size() > 0;
-  if (by_position) command.kind = CommandKind::kPosition;
+  if (by_position) command.kind = HB_POSITION;
   const core::VecA& value = by_position ? wanted.position : wanted.tau_a;
   for (Eigen::Index i = 0; i < std::min<Eigen::Index>(value.size(), identity_.n_a); ++i) {
     command.value[static_cast<std::size_t>(i)] = static_cast<float>(value[i]);
   }
-  const std::uint32_t seq = send(FrameType::kCommand, command);
-  if (seq != 0) sent_[seq % sent_.size()] = {seq, now};
+  send(HF_COMMAND, command);
 }
 
 void BoardHost::poll(core::TimePoint now) {
@@ -244,11 +229,11 @@ void BoardHost::poll(core::TimePoint now) {
   }
   if (now - asked_ < kAgain) return;
   asked_ = now;
-  const bool latched = board_state_ == BoardState::kStopped || board_state_ == BoardState::kFault;
+  const bool latched = board_state_ == HB_STOPPED || board_state_ == HB_FAULT;
   if (nonce_ != 0 && board_nonce_ != nonce_ && !(latched && reading_.broken)) {
-    send(FrameType::kArm, Arm{nonce_});
-  } else if (nonce_ == 0 && board_state_ == BoardState::kArmed) {
-    send(FrameType::kDisarm, Disarm{});
+    send(HF_ARM, Arm{nonce_});
+  } else if (nonce_ == 0 && board_state_ == HB_ARMED) {
+    send(HF_DISARM, Disarm{});
   }
 }
 

@@ -18,8 +18,9 @@
 #include "haptic/core/types.hpp"
 #include "hw/board/clock_map.hpp"
 #include "hw/board/expectation.hpp"
-#include "hw/board/frame_codec.hpp"
 #include "hw/board/messages.hpp"
+#include "hw/board/sequence_filter.hpp"
+#include "hw/firmware/haptic_frame.h"
 
 namespace haptic::hw::board {
 
@@ -45,12 +46,10 @@ struct BoardReading {
 
 /// Counters of the host's side since the link was opened. Every missing frame is in one of them.
 struct HostCounters {
-  std::uint64_t bytes{0}, frames{0}, states{0};
+  std::uint64_t frames{0};
   std::uint64_t bad_crc{0}, malformed{0}, not_newer{0}, lost{0};
   std::uint64_t sent{0}, commands_held_back{0};  ///< held back: the port took no bytes
-  std::uint64_t handshakes{0};
-  core::Duration round_trip{0}, longest_round_trip{0};  ///< command to the state that tells of it
-  Counters board{};                                     ///< the newest of the board's own
+  Counters board{};                              ///< the newest of the board's own
 };
 
 /// The facts that a board tells in the handshake.
@@ -87,7 +86,6 @@ class BoardHost {
   [[nodiscard]] const std::string& refusal() const noexcept { return refusal_; }  ///< of kRefused
   [[nodiscard]] const BoardReading& reading() const noexcept { return reading_; }
   [[nodiscard]] const HostCounters& counters() const noexcept { return counters_; }
-  [[nodiscard]] const ClockMap& clock() const noexcept { return clock_; }
   [[nodiscard]] const Identity& identity() const noexcept { return identity_; }
   [[nodiscard]] Introduction introduction() const;  ///< once kOpen
   /// From now on accepts this board only (difference() in expectation.hpp): after the first
@@ -97,22 +95,25 @@ class BoardHost {
 
  private:
   void greet(core::TimePoint now);
-  void on_frame(const Frame& frame, core::TimePoint now);
-  void on_identity(const Frame& frame);
+  /// The frame in decoder_.
+  void on_frame(core::TimePoint now);
+  void on_identity();
+  [[nodiscard]] std::span<const std::uint8_t> payload() const noexcept {
+    return {decoder_.payload, decoder_.payload_length};
+  }
   void on_dof(const Dof& dof);
   void on_state(const State& state, core::TimePoint now);
   void follow_arming(const State& state) noexcept;
-  void time_round_trip(const State& state, core::TimePoint now) noexcept;
   void refuse_if(std::string difference);
   template <typename Message>
-  std::uint32_t send(FrameType type, const Message& message);
+  void send(hf_type type, const Message& message);
   [[nodiscard]] std::uint32_t new_number(std::uint32_t unlike);
 
   Expectation expected_;
   std::mt19937_64 random_;
   Stage stage_{Stage::kClosed};
   std::string refusal_{};
-  FrameDecoder decoder_{};
+  hf_decoder decoder_{};
   SequenceFilter filter_{};
   ClockMap clock_{};
   HostCounters counters_{};
@@ -126,18 +127,12 @@ class BoardHost {
   core::TimePoint greeted_{}, heard_{}, asked_{};
 
   Wanted wanted_{};
-  std::uint32_t nonce_{0};   ///< nonce of the present arming; 0: none wanted
-  std::uint32_t arming_{0};  ///< Wanted::arming that nonce_ stands for
-  BoardState board_state_{BoardState::kDisarmed};
+  std::uint32_t nonce_{0};                 ///< nonce of the present arming; 0: none wanted
+  std::uint32_t arming_{0};                ///< Wanted::arming that nonce_ stands for
+  std::uint8_t board_state_{HB_DISARMED};  ///< hb_state
   std::uint32_t board_nonce_{0};
 
-  struct Sent {
-    std::uint32_t seq{0};
-    core::TimePoint at{};
-  };
-  std::array<Sent, 64> sent_{};  ///< by seq modulo its size
-
-  std::array<std::uint8_t, 4 * kMaxWire> output_{};
+  std::array<std::uint8_t, 4 * HF_MAX_WIRE> output_{};
   std::size_t output_length_{0};
 };
 

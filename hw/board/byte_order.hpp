@@ -36,9 +36,6 @@ class ByteWriter {
   void list(const std::array<Number, kSize>& values, std::size_t count) noexcept {
     for (std::size_t i = 0; i < std::min(count, kSize); ++i) put(values[i]);
   }
-  void bytes(std::span<const std::uint8_t> values) noexcept {
-    for (const std::uint8_t value : values) put(value);
-  }
   [[nodiscard]] std::span<const std::uint8_t> written() const noexcept {
     return buffer_.first(length_);
   }
@@ -82,7 +79,6 @@ class ByteReader {
   void list(std::array<Number, kSize>& values, std::size_t count) noexcept {
     for (std::size_t i = 0; i < std::min(count, kSize); ++i) take(values[i]);
   }
-  [[nodiscard]] std::span<const std::uint8_t> rest() const noexcept { return rest_; }
   /// All bytes were read and no more, and every bool was 0 or 1.
   [[nodiscard]] bool exact() const noexcept { return good_ && rest_.empty(); }
 

@@ -8,16 +8,10 @@ namespace {
 
 constexpr double kMicrosecond = 1e-6;
 
-core::Duration to_duration(double s) {
-  return core::Duration(static_cast<std::int64_t>(std::llround(s * 1e9)));
-}
-
 }  // namespace
 
 void ClockMap::begin(std::uint64_t board_us, core::TimePoint arrival) noexcept {
-  const std::uint64_t stragglers = stragglers_;
   restart();
-  stragglers_ = stragglers;
   begun_ = true;
   board_0_ = last_board_ = board_us;
   arrival_0_ = arrival;
@@ -58,16 +52,15 @@ core::TimePoint ClockMap::map(std::uint64_t board_us, core::TimePoint arrival) n
   }
   const bool straggler = above > std::max(kStraggler, 4.0 * deviation_);
   if (straggler && ++stragglers_in_a_row_ <= kRelearn) {
-    ++stragglers_;
     const double line = offset_ + drift_ * elapsed - 2.0 * deviation_;
-    return std::min(arrival, arrival_0_ + to_duration(t + line));
+    return std::min(arrival, arrival_0_ + core::duration(t + line));
   }
   stragglers_in_a_row_ = 0;
   fit(elapsed, offset);
   last_board_ = board_us;
   const double share = std::min(1.0, elapsed / (0.1 * kMemory));
   deviation_ += share * (std::abs(offset - offset_) - deviation_);
-  return std::min(arrival, arrival_0_ + to_duration(t + offset_ - 2.0 * deviation_));
+  return std::min(arrival, arrival_0_ + core::duration(t + offset_ - 2.0 * deviation_));
 }
 
 }  // namespace haptic::hw::board

@@ -28,10 +28,6 @@ class ClockMap {
   /// Forgets everything: another board, or the same one restarted.
   void restart() noexcept { *this = ClockMap{}; }
 
-  [[nodiscard]] double drift() const noexcept { return drift_; }  ///< s/s, of steady against board
-  [[nodiscard]] double deviation() const noexcept { return deviation_; }  ///< s, mean
-  [[nodiscard]] std::uint64_t stragglers() const noexcept { return stragglers_; }
-
  private:
   void begin(std::uint64_t board_us, core::TimePoint arrival) noexcept;
   void fit(double elapsed, double offset) noexcept;
@@ -41,10 +37,9 @@ class ClockMap {
   core::TimePoint arrival_0_{};
   // Decayed sums over (age, offset), age = board time since the newest sample, <= 0.
   double s0_{0.0}, s1_{0.0}, s2_{0.0}, y0_{0.0}, y1_{0.0};
-  double offset_{0.0}, drift_{0.0};  ///< the line at the newest sample
-  double deviation_{0.0};
+  double offset_{0.0}, drift_{0.0};  ///< the line at the newest sample; s, s/s of steady by board
+  double deviation_{0.0};            ///< from the line, mean, s
   int stragglers_in_a_row_{0};
-  std::uint64_t stragglers_{0};
 };
 
 }  // namespace haptic::hw::board

@@ -34,9 +34,9 @@ void DeviceSide::identify(const Introduction& said) {
   }
   info_.limits.drive_damping = said.drive_damping;
   info_.limits.sample_period = std::chrono::microseconds(identity.sample_period_us);
-  info_.measures_force = (identity.capabilities & kMeasuresForce) != 0;
-  info_.closes_force_loop = (identity.capabilities & kForceLoop) != 0;
-  info_.takes_positions = (identity.capabilities & kPositionCommand) != 0;
+  info_.measures_force = (identity.capabilities & HB_MEASURES_FORCE) != 0;
+  info_.closes_force_loop = (identity.capabilities & HB_FORCE_LOOP) != 0;
+  info_.takes_positions = (identity.capabilities & HB_POSITION_COMMAND) != 0;
   if (!calibration_) return;
   check(*calibration_, *kinematics_, info_.serial, info_.measures_force);
   apply(*calibration_, info_.limits);

@@ -31,9 +31,9 @@ std::string difference(const Expectation& expected, const Identity& found,
     text << "its " << what << " = " << now << ": must be " << then
          << ", as before the port was lost";
   };
-  if (found.version != kProtocolVersion) {
+  if (found.version != HB_PROTOCOL_VERSION) {
     text << "speaks version " << int{found.version} << " of the protocol; must be "
-         << int{kProtocolVersion};
+         << int{HB_PROTOCOL_VERSION};
   } else if (watchdog <= expected.longest_lateness || watchdog > kLongestWatchdog) {
     text << "its watchdog = " << milliseconds(watchdog)
          << " ms: must be longer than loop_late_fault, " << milliseconds(expected.longest_lateness)

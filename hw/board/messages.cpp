@@ -78,7 +78,7 @@ bool valid(const Disarm&) noexcept {
 }
 
 bool valid(const Command& m) noexcept {
-  return m.kind <= CommandKind::kPosition && m.n_a <= kMaxDofs && finite(m.value, m.n_a);
+  return m.kind <= HB_POSITION && m.n_a <= kMaxDofs && finite(m.value, m.n_a);
 }
 
 bool valid(const Identity& m) noexcept {
@@ -93,8 +93,7 @@ bool valid(const Dof& m) noexcept {
 }
 
 bool valid(const State& m) noexcept {
-  return m.state <= BoardState::kFault && m.n_q <= kMaxDofs && m.n_f <= kMaxDofs &&
-         finite(m.force, m.n_f);
+  return m.state <= HB_FAULT && m.n_q <= kMaxDofs && m.n_f <= kMaxDofs && finite(m.force, m.n_f);
 }
 
 bool valid(const Counters&) noexcept {

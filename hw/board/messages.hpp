@@ -9,22 +9,23 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "haptic/core/types.hpp"
-#include "hw/board/frame_codec.hpp"
+#include "hw/firmware/haptic_board.h"
 
 namespace haptic::hw::board {
 
-inline constexpr std::uint8_t kProtocolVersion = 1;
 inline constexpr std::size_t kMaxDofs = core::kMaxQ;
+static_assert(kMaxDofs == HB_MAX_DOFS);
 inline constexpr std::size_t kSerialWidth = 16, kModelWidth = 24, kNameWidth = 16;
 
 using Values = std::array<float, kMaxDofs>;
 
 /// Host: "who is there?" A session number other than the last one starts a new session.
 struct Hello {
-  std::uint8_t version{kProtocolVersion};
+  std::uint8_t version{HB_PROTOCOL_VERSION};
   std::uint32_t session{0};  ///< random, not 0
 };
 
@@ -36,31 +37,19 @@ struct Arm {
 /// Host: zero force, stop following.
 struct Disarm {};
 
-enum class CommandKind : std::uint8_t {
-  kForce = 0,     ///< N or N m per actuated DoF
-  kPosition = 1,  ///< m or rad per actuated DoF: boards that hold a position
-};
-
 struct Command {
-  std::uint32_t nonce{0};  ///< that of the arming it belongs to
-  CommandKind kind{CommandKind::kForce};
+  std::uint32_t nonce{0};       ///< that of the arming it belongs to
+  std::uint8_t kind{HB_FORCE};  ///< hb_kind: N or N m per actuated DoF; m or rad, of a position
   std::uint8_t n_a{0};
   Values value{};
 };
 
-/// Abilities of a board, as bits.
-enum Capability : std::uint8_t {
-  kForceLoop = 1,        ///< closes the loop on the measured force itself
-  kMeasuresForce = 2,    ///< State carries a force per actuated DoF
-  kPositionCommand = 4,  ///< follows kPosition
-};
-
 /// Board: the answer to Hello, followed by one Dof per DoF.
 struct Identity {
-  std::uint8_t version{kProtocolVersion};
+  std::uint8_t version{HB_PROTOCOL_VERSION};
   std::uint8_t n_q{0}, n_a{0};
-  std::uint8_t capabilities{0};
-  std::uint32_t session{0};  ///< of the Hello it answers
+  std::uint8_t capabilities{0};  ///< hb_capability, as bits
+  std::uint32_t session{0};      ///< of the Hello it answers
   std::uint32_t watchdog_us{0};
   std::uint32_t sample_period_us{0};
   std::array<std::uint8_t, 3> firmware{};  ///< major, minor, patch
@@ -76,25 +65,14 @@ struct Dof {
   std::string name{};
 };
 
-enum class BoardState : std::uint8_t { kDisarmed = 0, kArmed = 1, kStopped = 2, kFault = 3 };
-
-/// Why a board is in kFault, as bits.
-enum BoardFault : std::uint8_t {
-  kForceOverLimit = 1,
-  kSensorStuck = 2,  ///< a sensor has given the very same reading for too long
-  kSensorRange = 4,  ///< a sensor reads what it cannot: broken wire, shorted
-  kActuator = 8,     ///< over-current, over-temperature, no motion although there must be one
-  kSupply = 16,      ///< under-voltage
-};
-
 /// Board: one sample, unasked, once a sample period.
 struct State {
   std::uint64_t time_us{0};         ///< board's clock when q was measured
   std::uint32_t nonce{0};           ///< armed by; 0: not armed
   std::uint32_t command_seq{0};     ///< seq of the newest accepted Command; 0: none yet
   std::uint16_t command_age_us{0};  ///< its age at time_us; 65535: that or more
-  BoardState state{BoardState::kDisarmed};
-  std::uint8_t faults{0};  ///< BoardFault
+  std::uint8_t state{HB_DISARMED};  ///< hb_state
+  std::uint8_t faults{0};           ///< hb_fault, as bits
   std::uint8_t n_q{0};
   std::uint8_t n_f{0};  ///< n_a if the board measures force, else 0
   Values q{};
@@ -108,7 +86,7 @@ struct Counters {
 };
 
 struct Payload {
-  std::array<std::uint8_t, kMaxPayload> bytes{};
+  std::array<std::uint8_t, HF_MAX_PAYLOAD> bytes{};
   std::size_t length{0};
   [[nodiscard]] std::span<const std::uint8_t> view() const noexcept {
     return {bytes.data(), length};

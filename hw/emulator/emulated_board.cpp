@@ -50,7 +50,7 @@ hb_dof dictionary_entry(const core::DofSpec& dof, const ActuatorParameters& actu
 
 }  // namespace
 
-EmulatedBoard::EmulatedBoard(const EmulatorConfig& config, Intent intent,
+EmulatedBoard::EmulatedBoard(const EmulatorConfig& config, HandIntent intent,
                              const std::shared_ptr<const core::Kinematics>& kinematics)
     : config_(config),
       rig_(config.actuator, config.sensors, std::move(intent), kinematics, config.seed),

@@ -49,7 +49,7 @@ class EmulatedBoard {
  public:
   static constexpr std::uint64_t kSampleUs = 1000;
 
-  EmulatedBoard(const EmulatorConfig& config, Intent intent,
+  EmulatedBoard(const EmulatorConfig& config, HandIntent intent,
                 const std::shared_ptr<const core::Kinematics>& kinematics);
   EmulatedBoard(const EmulatedBoard&) = delete;
   EmulatedBoard& operator=(const EmulatedBoard&) = delete;

@@ -73,10 +73,10 @@ EmulatorConfig resolved(const CommandLine& c) {
   return config;
 }
 
-hw::Intent intent(const CommandLine& c) {
-  const Eigen::Vector2d straight = Eigen::Vector2d::Zero();
+hw::HandIntent intent(const CommandLine& c, const core::Kinematics& finger) {
+  const core::VecQ straight = core::VecQ::Zero(2);
   if (c.motion.empty()) return {straight, straight};
-  return {straight, std::filesystem::path(c.motion)};
+  return {{.fingers = {{}}}, straight, finger, c.motion};
 }
 
 /// One line on standard error whenever something begins or ends.
@@ -119,7 +119,7 @@ int run(const CommandLine& c) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
   std::shared_ptr<const core::Kinematics> kinematics = core::make_finger_exoskeleton({});
-  EmulatedBoard board(resolved(c), intent(c), kinematics);
+  EmulatedBoard board(resolved(c), intent(c, *kinematics), kinematics);
   std::optional<hw::emulator::TruthLog> truth;
   if (!c.truth.empty()) truth.emplace(c.truth);
   hw::emulator::PseudoTerminal terminal(c.link);

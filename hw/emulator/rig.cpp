@@ -17,7 +17,7 @@ FingerParameters finger_parameters() {
 
 }  // namespace
 
-Rig::Rig(const ActuatorParameters& actuator, const SensorParameters& sensors, Intent intent,
+Rig::Rig(const ActuatorParameters& actuator, const SensorParameters& sensors, HandIntent intent,
          std::shared_ptr<const core::Kinematics> kinematics, std::uint64_t seed)
     : sensors_(sensors),
       intent_(std::move(intent)),
@@ -32,8 +32,8 @@ void Rig::step() noexcept {
 }
 
 void Rig::take_to(const Eigen::Vector2d& target) {
-  const Eigen::Vector2d from = held_ ? intent_.at(elapsed() - intent_since_) : finger_.x();
-  intent_ = Intent(from, target);
+  const core::VecQ from = held_ ? intent_.at(elapsed() - intent_since_) : core::VecQ(finger_.x());
+  intent_ = HandIntent(from, target);
   intent_since_ = elapsed();
   held_ = true;
   finger_.hold(true);

@@ -9,7 +9,7 @@
 #include "hw/emulator/linear_actuator.hpp"
 #include "hw/random.hpp"
 #include "hw/simulated/finger_physics.hpp"
-#include "hw/simulated/intent.hpp"
+#include "hw/simulated/hand_intent.hpp"
 
 namespace haptic::hw::emulator {
 
@@ -31,14 +31,14 @@ class Rig {
   static constexpr int kStepUs = 100;             ///< of the physics, us
   static constexpr double kStep = kStepUs / 1e6;  ///< the same, s
 
-  Rig(const ActuatorParameters& actuator, const SensorParameters& sensors, Intent intent,
+  Rig(const ActuatorParameters& actuator, const SensorParameters& sensors, HandIntent intent,
       std::shared_ptr<const core::Kinematics> kinematics, std::uint64_t seed);
 
   void step() noexcept;  ///< kStep s
   [[nodiscard]] Readings sense() noexcept;
 
   /// The hand takes the finger (if it had let go) and brings it to `target` (rad, MCP and PIP)
-  /// within Intent::kRise, starting at its present target.
+  /// within Course::kRise, starting at its present target.
   void take_to(const Eigen::Vector2d& target);
   /// The hand hangs loose and pushes no longer against the device.
   void let_go() noexcept;
@@ -50,7 +50,7 @@ class Rig {
 
  private:
   SensorParameters sensors_;
-  Intent intent_;
+  HandIntent intent_;         ///< MCP and PIP, rad
   double intent_since_{0.0};  ///< s
   bool held_{true};
   FingerPhysics finger_;

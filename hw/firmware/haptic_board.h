@@ -30,13 +30,17 @@ extern "C" {
 typedef enum { HB_DISARMED = 0, HB_ARMED = 1, HB_STOPPED = 2, HB_FAULT = 3 } hb_state;
 typedef enum { HB_FORCE = 0, HB_POSITION = 1 } hb_kind;
 
-enum hb_capability { HB_FORCE_LOOP = 1, HB_MEASURES_FORCE = 2, HB_POSITION_COMMAND = 4 };
+enum hb_capability {
+  HB_FORCE_LOOP = 1,      /* closes the loop on the measured force itself */
+  HB_MEASURES_FORCE = 2,  /* STATE carries a force per actuated DoF */
+  HB_POSITION_COMMAND = 4 /* follows HB_POSITION */
+};
 enum hb_fault {
   HB_FORCE_OVER_LIMIT = 1,
-  HB_SENSOR_STUCK = 2,
-  HB_SENSOR_RANGE = 4,
-  HB_ACTUATOR = 8,
-  HB_SUPPLY = 16
+  HB_SENSOR_STUCK = 2, /* the very same reading for too long */
+  HB_SENSOR_RANGE = 4, /* it reads what it cannot: broken wire, shorted */
+  HB_ACTUATOR = 8,     /* over-current, over-temperature, no motion although there must be one */
+  HB_SUPPLY = 16       /* under-voltage */
 };
 
 /* One entry of the DoF dictionary. m and N, or rad and N m. */

@@ -13,9 +13,9 @@ namespace {
 constexpr int kPalmDofs = 6;
 
 /// Throws DeviceError unless q is a hand's: a palm or none, then (NAME.l_x, NAME.q_B) of each
-/// finger.
+/// finger; or (l_x, q_B) of one alone.
 HandLayout layout_of(const core::Kinematics& kinematics) {
-  constexpr std::string_view kActuator = ".l_x";
+  constexpr std::string_view kActuator = "l_x";
   HandLayout layout;
   int n_q = 0;
   if (const auto rotation = rotation_vector_in(kinematics.dofs())) {
@@ -24,22 +24,27 @@ HandLayout layout_of(const core::Kinematics& kinematics) {
   }
   for (const core::Mechanism& finger : kinematics.mechanisms()) {
     const std::string& name = kinematics.dofs()[static_cast<std::size_t>(finger.first_q)].name;
-    if (!name.ends_with(kActuator) || name.size() == kActuator.size()) continue;
+    if (!name.ends_with(kActuator)) continue;
     layout.fingers.push_back({name.substr(0, name.size() - kActuator.size()), finger.first_q});
     n_q += 2;
   }
   if (layout.fingers.empty() || n_q != kinematics.layout().n_q()) {
-    throw core::DeviceError("simulated_hand: the kinematics has " +
-                            std::to_string(kinematics.layout().n_q()) + " DoF(s), " +
-                            std::to_string(layout.fingers.size()) +
-                            " named finger(s); must be hand_exoskeleton or tracked_hand");
+    throw core::DeviceError(
+        "simulated hand: the kinematics has " + std::to_string(kinematics.layout().n_q()) +
+        " DoF(s), " + std::to_string(layout.fingers.size()) +
+        " finger(s); must be finger_exoskeleton, hand_exoskeleton or tracked_hand");
   }
   return layout;
 }
 
+SimulatedHandConfig with_target(SimulatedHandConfig c, Eigen::Index n_q) {
+  if (c.target.size() == 0) c.target.setZero(n_q);
+  return c;
+}
+
 void check_sizes(const SimulatedHandConfig& c, const HandLayout& layout, Eigen::Index n_q) {
   const auto wrong = [](const char* what, Eigen::Index is, Eigen::Index must) {
-    throw core::DeviceError(std::string("simulated_hand: ") + what + " = " + std::to_string(is) +
+    throw core::DeviceError(std::string("simulated hand: ") + what + " = " + std::to_string(is) +
                             ": must be the kinematics', " + std::to_string(must));
   };
   const auto fingers = static_cast<Eigen::Index>(layout.fingers.size());
@@ -58,7 +63,8 @@ DeviceInfo describe(const SimulatedHandConfig& c, const HandIntent& intent,
                     const core::Kinematics& kinematics) {
   DeviceInfo info;
   info.kind = "simulated";
-  info.model = "exoskeleton worn on a simulated hand";
+  info.model = "exoskeleton worn on ";
+  info.model += c.fingers == 1 ? "a simulated finger" : "a simulated hand";
   info.model += c.motion_file.empty() ? ", constant target"
                                       : ", " + std::to_string(intent.recorded_fingers()) + " of " +
                                             std::to_string(c.fingers) + " fingers follow " +
@@ -86,11 +92,12 @@ OwnDynamics SimulatedHandConfig::own_dynamics(const core::DofLayout& layout) con
 
 SimulatedHand::SimulatedHand(const SimulatedHandConfig& config,
                              std::shared_ptr<const core::Kinematics> kinematics)
-    : config_(config),
+    : config_(with_target(config, kinematics->layout().n_q())),
       layout_(layout_of(*kinematics)),
-      intent_(intent_of(config, layout_, *kinematics)),
+      intent_(intent_of(config_, layout_, *kinematics)),
       noise_(config.seed),
-      aim_(config.target) {
+      step_(kinematics->layout().n_q() == 2 ? Substeps::kStep : kStep),
+      aim_(config_.target) {
   info_ = describe(config, intent_, *kinematics);
   for (const core::Mechanism& finger : kinematics->mechanisms()) {
     // Shares the ownership of the whole map.
@@ -99,7 +106,7 @@ SimulatedHand::SimulatedHand(const SimulatedHandConfig& config,
   }
   if (layout_.palm) {
     const core::DofSpec& x = kinematics->dofs()[static_cast<std::size_t>(*layout_.palm)];
-    intent_.at(0.0, aim_);
+    aim_ = intent_.at(0.0);
     palm_.emplace(config.arm, aimed_palm(), x.lower, x.upper);
   }
   tau_a_ = core::VecA::Zero(config.fingers);
@@ -109,21 +116,21 @@ PalmPose SimulatedHand::aimed_palm() const noexcept {
   return {aim_.segment<3>(*layout_.palm), aim_.segment<3>(*layout_.palm + 3)};
 }
 
-void SimulatedHand::step(double t) noexcept {
-  intent_.at(t, aim_);
+void SimulatedHand::step() noexcept {
+  const double dt = core::seconds(step_);
+  aim_ = intent_.at(static_cast<double>(++steps_) * dt);
   for (std::size_t i = 0; i < fingers_.size(); ++i) {
-    fingers_[i].step(kStepSeconds, aim_.segment<2>(layout_.fingers[i].first),
+    fingers_[i].step(dt, aim_.segment<2>(layout_.fingers[i].first),
                      tau_a_[static_cast<Eigen::Index>(i)]);
   }
-  if (palm_) palm_->step(kStepSeconds, aimed_palm());
+  if (palm_) palm_->step(dt, aimed_palm());
 }
 
 void SimulatedHand::read(core::TimePoint now, core::DeviceReading& reading) noexcept {
   if (!book_.begin_read(now, reading)) return;
-  for (int n = substeps_.advance(now); n > 0; --n) {
-    step(static_cast<double>(++steps_) * kStepSeconds);
-  }
-  // The part of a step up to `now` at constant velocity, as of the simulated finger.
+  for (int n = substeps_.advance(now); n > 0; --n) step();
+  // The part of a step up to `now` at constant velocity: a rate taken from samples and their times
+  // must not see the step's grid.
   const double ahead = core::seconds(substeps_.rest());
   core::VecQ q(config_.target.size());
   if (palm_) {

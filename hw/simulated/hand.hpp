@@ -1,8 +1,9 @@
 #pragma once
-/// A hand that wears an exoskeleton on every finger, as a device, for hand_exoskeleton and
-/// tracked_hand: the physics of core/METHOD.md#forces-at-the-finger per finger, and under a tracked
-/// hand a palm that the user's arm moves. Its time is that of the calls, real or virtual. The same
-/// seed and the same calls give the same bits.
+/// A finger, or a hand that wears an exoskeleton on every finger, as a device, for
+/// finger_exoskeleton, hand_exoskeleton and tracked_hand: the physics of
+/// core/METHOD.md#forces-at-the-finger per finger behind sensors with noise and resolution, and
+/// under a tracked hand a palm that the user's arm moves. Its time is that of the calls, real or
+/// virtual. The same seed and the same calls give the same bits.
 ///
 /// The exoskeleton stands on the hand and not on the ground. Its actuators push between palm and
 /// finger, so no wrench of theirs is left over for the arm. The fingers give way but the palm does
@@ -27,10 +28,11 @@
 namespace haptic::hw {
 
 struct SimulatedHandConfig final : DeviceConfig, WornFinger {
-  int fingers{5};  ///< of the kinematics
+  int fingers{1};  ///< of the kinematics
   std::uint64_t seed{1};
   std::filesystem::path motion_file{};  ///< empty: `target` alone
-  /// n_q: the palm's pose (m, rotation vector in rad), then MCP and PIP of each finger (rad).
+  /// n_q: the palm's pose (m, rotation vector in rad), then MCP and PIP of each finger (rad). Size
+  /// 0: zeros.
   core::VecQ target{};
   ArmParameters arm{};
 
@@ -44,13 +46,13 @@ struct SimulatedHandConfig final : DeviceConfig, WornFinger {
 
 class SimulatedHand final : public Device {
  public:
-  /// Twice that of the simulated finger, because five fingers share a tick.
+  /// The step of a hand. It is twice that of a finger without a palm, Substeps::kStep, because
+  /// five fingers share a tick.
   static constexpr core::Duration kStep{std::chrono::microseconds(200)};
-  static constexpr double kStepSeconds = core::seconds(kStep);
 
   /// Throws DeviceError: a motion file that cannot be read (see HandIntent), a kinematics that is
-  /// not a hand's, a config for another number of fingers or DoFs. The scene's reader checks the
-  /// parameters.
+  /// not a finger's or a hand's, a config for another number of fingers or DoFs. The scene's reader
+  /// checks the parameters.
   SimulatedHand(const SimulatedHandConfig& config,
                 std::shared_ptr<const core::Kinematics> kinematics);
 
@@ -68,7 +70,7 @@ class SimulatedHand final : public Device {
   [[nodiscard]] const core::VecA& tau_a() const noexcept { return tau_a_; }
 
  private:
-  void step(double t) noexcept;
+  void step() noexcept;
   [[nodiscard]] PalmPose aimed_palm() const noexcept;
 
   SimulatedHandConfig config_;
@@ -78,7 +80,8 @@ class SimulatedHand final : public Device {
   std::vector<FingerPhysics> fingers_{};
   std::optional<PalmPhysics> palm_{};
   Gaussian noise_;
-  Substeps substeps_{kStep};
+  core::Duration step_;
+  Substeps substeps_{step_};
   std::int64_t steps_{0};
   Bookkeeping book_{};
   core::VecA tau_a_{};

@@ -37,23 +37,29 @@ std::vector<Group> groups_of(const HandLayout& layout, const core::Kinematics& k
   for (const HandLayout::Finger& finger : layout.fingers) {
     Group group{finger.first};
     for (const std::string& angle : joint_angle_columns()) {
-      group.columns.push_back(finger.name + "." + angle);
+      group.columns.push_back(finger.prefix + angle);
     }
     groups.push_back(group);
   }
   return groups;
 }
 
+/// The target, but its fingers straight.
+core::VecQ straight(const HandLayout& layout, core::VecQ target) {
+  for (const HandLayout::Finger& finger : layout.fingers) {
+    target.segment<2>(finger.first).setZero();
+  }
+  return target;
+}
+
 }  // namespace
 
-HandIntent::HandIntent(const HandLayout& layout, const core::VecQ& target) {
-  for (const double aim : target) course_.emplace_back(aim, aim);
-  for (const HandLayout::Finger& finger : layout.fingers) {
-    for (const Eigen::Index i : {finger.first, finger.first + 1}) {
-      course_[static_cast<std::size_t>(i)] = Course(0.0, target[i]);
-    }
-  }
+HandIntent::HandIntent(const core::VecQ& rest, const core::VecQ& target) {
+  for (Eigen::Index i = 0; i < target.size(); ++i) course_.emplace_back(rest[i], target[i]);
 }
+
+HandIntent::HandIntent(const HandLayout& layout, const core::VecQ& target)
+    : HandIntent(straight(layout, target), target) {}
 
 HandIntent::HandIntent(const HandLayout& layout, const core::VecQ& target,
                        const core::Kinematics& kinematics, const std::filesystem::path& motion_file)
@@ -96,11 +102,12 @@ HandIntent::HandIntent(const HandLayout& layout, const core::VecQ& target,
   }
 }
 
-void HandIntent::at(double t, core::VecQ& aim) const noexcept {
+core::VecQ HandIntent::at(double t) const noexcept {
   const Course::Moment now = course_[recorded_].moment(t);
-  for (std::size_t i = 0; i < course_.size(); ++i) {
-    aim[static_cast<Eigen::Index>(i)] = course_[i].at(now);
-  }
+  core::VecQ aim(static_cast<Eigen::Index>(course_.size()));
+  for (Eigen::Index i = 0; i < aim.size(); ++i)
+    aim[i] = course_[static_cast<std::size_t>(i)].at(now);
+  return aim;
 }
 
 }  // namespace haptic::hw

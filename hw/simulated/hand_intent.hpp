@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "haptic/core/model/kinematics.hpp"
-#include "hw/simulated/intent.hpp"
+#include "hw/simulated/course.hpp"
 
 namespace haptic::hw {
 
 /// Places of a hand's DoFs in q.
 struct HandLayout {
   struct Finger {
-    std::string name{};     ///< "index"
+    std::string prefix{};   ///< of its names: "index."; empty: a finger alone
     Eigen::Index first{0};  ///< index in q of its l_x; q_B follows
   };
   std::vector<Finger> fingers{};
@@ -25,18 +25,20 @@ struct HandLayout {
 
 class HandIntent {
  public:
-  /// `target`: n_q values, m and rad. The fingers rise to it from straight, the palm is there.
-  explicit HandIntent(const HandLayout& layout, const core::VecQ& target);
+  /// From `rest` to `target`, n_q values each, m and rad.
+  HandIntent(const core::VecQ& rest, const core::VecQ& target);
+  /// The fingers rise to the target from straight, the palm is there.
+  HandIntent(const HandLayout& layout, const core::VecQ& target);
 
   /// Columns of `motion_file`: time_s and any of these, each whole: NAME.q_o1_mcp_rad and
-  /// .q_o2_pip_rad of a finger; PALM.x .y .z; PALM.rx .ry .rz or PALM.qx .qy .qz .qw. What has no
-  /// columns stays at the target. Throws DeviceError: see read_motion_csv(); also no such column at
-  /// all, or a palm outside its box.
+  /// .q_o2_pip_rad of a finger, without NAME if it is alone; PALM.x .y .z; PALM.rx .ry .rz or
+  /// PALM.qx .qy .qz .qw. What has no columns stays at the target. Throws DeviceError: see
+  /// read_motion_csv(); also no such column at all, or a palm outside its box.
   HandIntent(const HandLayout& layout, const core::VecQ& target, const core::Kinematics& kinematics,
              const std::filesystem::path& motion_file);
 
-  /// All coordinates at `t` s after the simulation began, into `aim` (n_q). Allocates nothing.
-  void at(double t, core::VecQ& aim) const noexcept;
+  /// The aim `t` s after the simulation began, n_q; continuous. Allocates nothing.
+  [[nodiscard]] core::VecQ at(double t) const noexcept;
 
   /// How many fingers the file moves.
   [[nodiscard]] int recorded_fingers() const noexcept { return recorded_fingers_; }

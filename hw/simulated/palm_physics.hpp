@@ -40,8 +40,7 @@ class PalmPhysics {
   /// `ahead` s later at the present velocity, inside the box; the rotation vector is the shortest.
   [[nodiscard]] PalmPose ahead(double ahead) const noexcept;
   [[nodiscard]] const Eigen::Vector3d& velocity() const noexcept { return v_; }  ///< m/s
-  [[nodiscard]] const Eigen::Vector3d& angular_velocity() const noexcept { return omega_; }
-  [[nodiscard]] double kinetic() const noexcept;  ///< J
+  [[nodiscard]] double kinetic() const noexcept;                                 ///< J
   /// Work of the arm on the palm, J. kinetic() is this, less what the ends of the box took.
   [[nodiscard]] double by_arm() const noexcept { return by_arm_; }
 

@@ -1,20 +1,17 @@
 #include <algorithm>
-#include <array>
 
-#include "hw/board/frame_codec.hpp"
 #include "hw/board/messages.hpp"
 #include "hw/firmware/haptic_frame.h"
 #include "tests/fuzz/targets.hpp"
+#include "tests/hw/board/frames.hpp"
 
 namespace haptic::test {
 namespace {
 
-using hw::board::FrameDecoder;
-
 /// An input is a row of steps, each: one byte what, one byte size, that many bytes.
 enum LinkStep : std::uint8_t {
   kBytes = 0,         ///< bytes as they stand
-  kFrame = 1,         ///< type, number (4), payload: a frame, written by both encoders
+  kFrame = 1,         ///< type, number (4), payload: a frame
   kDamagedFrame = 2,  ///< the same, damaged: the first two bytes say where and how
   kLinkSteps = 3,
 };
@@ -67,7 +64,7 @@ class Link {
     const std::size_t where = damaged ? step.number(2) : 0;
     Written frame{step.byte(), static_cast<std::uint32_t>(step.number(4)), {}};
     while (!step.empty()) frame.payload.push_back(step.byte());
-    FuzzBytes bytes = encoded(frame);
+    FuzzBytes bytes = wire_of(frame.type, frame.seq, frame.payload);
     const bool must_be_read = !damaged && !bytes.empty();
     if (damaged && !bytes.empty()) damage(bytes, where);
     // A frame without its last zero ends with the first one of the next.
@@ -78,40 +75,17 @@ class Link {
     if (must_be_read && !read_) finding_ = "an undamaged frame was not read";
   }
 
-  FuzzBytes encoded(const Written& frame) {
-    hw::board::WireBuffer wire;
-    std::array<std::uint8_t, HF_MAX_WIRE> c_wire{};
-    const std::size_t size = hw::board::encode(
-        {static_cast<hw::board::FrameType>(frame.type), frame.seq, frame.payload}, wire);
-    const std::size_t c_size =
-        hf_encode(frame.type, frame.seq, frame.payload.data(), frame.payload.size(), c_wire.data());
-    if (size != c_size || !std::equal(wire.begin(), wire.begin() + size, c_wire.begin())) {
-      finding_ = "the encoders differ";
-    }
-    return {wire.begin(), wire.begin() + size};
-  }
-
   void push(std::uint8_t byte) {
-    const auto event = decoder_.push(byte);
-    if (static_cast<int>(event) != static_cast<int>(hf_push(&c_decoder_, byte))) {
-      finding_ = "the decoders differ";
-    }
-    if (event != FrameDecoder::Event::kFrame) return;
-    const hw::board::Frame& frame = decoder_.frame();
-    const auto is = [&](std::uint8_t type, std::uint32_t seq, FuzzInput payload) {
-      return static_cast<std::uint8_t>(frame.type) == type && frame.seq == seq &&
-             std::ranges::equal(frame.payload, payload);
-    };
-    if (!is(c_decoder_.type, c_decoder_.seq, {c_decoder_.payload, c_decoder_.payload_length})) {
-      finding_ = "the decoders read different frames";
-    }
+    if (hf_push(&decoder_, byte) != HF_FRAME) return;
+    const std::span<const std::uint8_t> payload = payload_of(decoder_);
     bool known = written_.empty();
     for (const Written& each : written_) {
-      read_ = is(each.type, each.seq, each.payload);
+      read_ = each.type == decoder_.type && each.seq == decoder_.seq &&
+              std::ranges::equal(each.payload, payload);
       known = known || read_;
     }
-    if (!known) finding_ = "a frame was read that no encoder wrote";
-    read_messages(frame.payload);
+    if (!known) finding_ = "a frame was read that was not written";
+    read_messages(payload);
   }
 
   /// Every reader on every payload: it may refuse, nothing else.
@@ -125,8 +99,7 @@ class Link {
     static_cast<void>(hw::board::read<hw::board::Counters>(payload));
   }
 
-  FrameDecoder decoder_{};
-  hf_decoder c_decoder_{};
+  hf_decoder decoder_{};
   std::vector<Written> written_{};  ///< the last two frames; none after bytes as they stand
   bool read_{false};                ///< the last of them
   std::string finding_{};

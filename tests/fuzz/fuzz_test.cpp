@@ -68,7 +68,7 @@ TEST(Fuzz, AnyFrontDoesNoHarm) {
   fuzz(crossing_target(), 20'000);
 }
 
-TEST(Fuzz, SerialCodecsAgree) {
+TEST(Fuzz, SerialFramesAreKept) {
   fuzz(frame_target(), 50'000);
 }
 

@@ -35,8 +35,8 @@ struct FuzzTarget {
 /// scene that does not read back as itself.
 [[nodiscard]] const FuzzTarget& scene_target();
 
-/// The serial link's two codecs, C++ and C99, on the same bytes, and the readers of every message.
-/// Findings: they differ, an undamaged frame is not read, or one is that no encoder wrote.
+/// The serial link's codec, and the readers of every message. Findings: an undamaged frame is not
+/// read, or one is that was not written.
 [[nodiscard]] const FuzzTarget& frame_target();
 /// hw::Replay. Findings: an error without a word, another exception than DeviceError, a sample that
 /// is no number, of a wrong size or out of the device's range.

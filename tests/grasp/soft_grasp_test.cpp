@@ -9,7 +9,7 @@
 #include "haptic/client/contact.hpp"
 #include "haptic/client/planes.hpp"
 #include "haptic/core/tick/pipeline.hpp"
-#include "hw/simulated/finger.hpp"
+#include "hw/simulated/hand.hpp"
 #include "server/owner/scene/scene.hpp"
 #include "tests/support/loop/remote_client.hpp"
 #include "tests/support/plane_set.hpp"
@@ -49,7 +49,7 @@ struct Weak {
 Weak grasp(const fs::path& motion, int last_ms) {
   const server::DeviceScene scene =
       server::load_scene(kSource / "server/scenes/finger_soft_grasp.textproto").devices.at(0);
-  auto source = dynamic_cast<const hw::SimulatedFingerConfig&>(*scene.source);
+  auto source = dynamic_cast<const hw::SimulatedHandConfig&>(*scene.source);
   if (!motion.empty()) source.motion_file = motion;
   const auto device = source.open(scene.pipeline.kinematics, scene.pipeline.loop_late_fault);
   core::Pipeline pipeline(server::pipeline_config(scene, device->info().limits));

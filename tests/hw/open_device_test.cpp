@@ -1,5 +1,5 @@
 #include "hw/replay/replay.hpp"
-#include "hw/simulated/finger.hpp"
+#include "hw/simulated/hand.hpp"
 #include "hw/simulated/linear.hpp"
 
 #include <gmock/gmock.h>
@@ -35,8 +35,8 @@ std::string error_of(const DeviceConfig& config,
 }
 
 TEST(OpenDevice, AFingerNeedsTheFingersKinematics) {
-  EXPECT_THAT(error_of(SimulatedFingerConfig{}, linear(1)), HasSubstr("finger_exoskeleton"));
-  EXPECT_THAT(error_of(SimulatedFingerConfig{}, linear(2)), HasSubstr("finger_exoskeleton"));
+  EXPECT_THAT(error_of(SimulatedHandConfig{}, linear(1)), HasSubstr("finger_exoskeleton"));
+  EXPECT_THAT(error_of(SimulatedHandConfig{}, linear(2)), HasSubstr("finger_exoskeleton"));
 }
 
 TEST(OpenDevice, MassesGoWithAnyMap) {

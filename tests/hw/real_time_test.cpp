@@ -8,7 +8,6 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/model/linear.hpp"
 #include "hw/replay/replay.hpp"
-#include "hw/simulated/finger.hpp"
 #include "hw/simulated/hand.hpp"
 #include "hw/simulated/linear.hpp"
 #include "tests/hw/simulated/one_finger.hpp"
@@ -38,7 +37,7 @@ std::uint64_t heap_calls(Device& device) {
 }
 
 TEST(RealTime, ASimulatedFingerNeverAllocates) {
-  SimulatedFingerConfig config;
+  SimulatedHandConfig config;
   config.motion_file = HAPTIC_SOURCE_DIR "/server/scenes/motion/reach_and_grasp.csv";
   config.noise_l_x = 1e-5;
   config.finger.actuator_friction = 2.0;
@@ -52,8 +51,8 @@ TEST(RealTime, ASimulatedHandNeverAllocates) {
       "index.q_o2_pip_rad\n0,0,0,0,0,0,0,1,0.2,0.3\n0.5,0.1,0,0,0,1,0,0,-0.6,0.3\n"
       "1,0,0.1,0,0,1,0,-0.1,0.5,0.6\n");
   SimulatedHandConfig config;
+  config.fingers = 5;
   config.motion_file = file.path();
-  config.target = core::VecQ::Zero(16);
   config.noise_l_x = 1e-5;
   config.finger.actuator_friction = 2.0;
   const auto device = config.open(test::hand_on_a_palm(), {});

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "haptic/core/error.hpp"
-#include "hw/simulated/finger.hpp"
+#include "hw/simulated/hand.hpp"
 #include "server/owner/scene/scene.hpp"
 #include "server/owner/scene/shipped.hpp"
 #include "tests/report/best_force.hpp"
@@ -61,7 +61,7 @@ FeltDevice felt_device(std::shared_ptr<const core::Kinematics> finger) {
   const auto file = server::find_scene(kScene);
   if (!file) throw core::SceneError(std::string("felt: no scene ") + kScene);
   const server::DeviceScene scene = server::load_scene(*file).devices.front();
-  const auto* source = dynamic_cast<const hw::SimulatedFingerConfig*>(scene.source.get());
+  const auto* source = dynamic_cast<const hw::SimulatedHandConfig*>(scene.source.get());
   if (source == nullptr) throw core::SceneError("felt: the scene has no simulated finger");
   FeltDevice device;
   device.finger = source->finger;

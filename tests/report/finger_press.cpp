@@ -8,7 +8,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/device_limits.hpp"
-#include "hw/simulated/finger.hpp"
+#include "hw/simulated/hand.hpp"
 #include "tests/report/best_force.hpp"
 #include "tests/support/virtual_board.hpp"
 
@@ -41,12 +41,11 @@ std::unique_ptr<hw::Device> worn_device(const Press& what,
     config.max_effort = VecA::Constant(1, kFingerForceLimit);
     const Eigen::Vector2d target(what.target_deg.first * kDegree, what.target_deg.second * kDegree);
     return std::make_unique<VirtualBoard>(hw::emulator::EmulatorConfig{},
-                                          hw::Intent(Eigen::Vector2d::Zero(), target), config,
+                                          hw::HandIntent(Eigen::Vector2d::Zero(), target), config,
                                           finger);
   }
-  hw::SimulatedFingerConfig hand;
-  hand.target_mcp = what.target_deg.first * kDegree;
-  hand.target_pip = what.target_deg.second * kDegree;
+  hw::SimulatedHandConfig hand;
+  hand.target = kDegree * Eigen::Vector2d(what.target_deg.first, what.target_deg.second);
   return hand.open(finger, {});
 }
 

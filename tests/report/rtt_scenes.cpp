@@ -5,7 +5,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/motion/pchip.hpp"
-#include "hw/simulated/finger.hpp"
+#include "hw/simulated/hand.hpp"
 #include "server/owner/scene/shipped.hpp"
 #include "tests/report/chosen_linkage.hpp"
 #include "tests/report/felt_study.hpp"

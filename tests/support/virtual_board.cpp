@@ -12,7 +12,7 @@ constexpr std::uint64_t kLongestJumpUs = 100'000;
 
 }  // namespace
 
-VirtualBoard::VirtualBoard(const EmulatorConfig& board, const Intent& intent,
+VirtualBoard::VirtualBoard(const EmulatorConfig& board, const HandIntent& intent,
                            const BoardConfig& config,
                            const std::shared_ptr<const core::Kinematics>& kinematics)
     : board_(board, intent, kinematics),

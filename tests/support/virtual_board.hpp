@@ -15,7 +15,7 @@ class VirtualBoard final : public Device {
  public:
   /// Port and baud of `config` are ignored. Shakes hands within the first 100 ms of virtual time,
   /// which begins with the first read(). Throws DeviceError as BoardDevice does.
-  VirtualBoard(const EmulatorConfig& board, const Intent& intent, const BoardConfig& config,
+  VirtualBoard(const EmulatorConfig& board, const HandIntent& intent, const BoardConfig& config,
                const std::shared_ptr<const core::Kinematics>& kinematics);
 
   [[nodiscard]] const DeviceInfo& info() const noexcept override { return side_.info(); }

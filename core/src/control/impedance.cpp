@@ -1,7 +1,5 @@
 #include "haptic/core/control/impedance.hpp"
 
-#include <algorithm>
-
 namespace haptic::core {
 
 void Rate::update(const VecA& q_a, TimePoint time, Duration longest) noexcept {
@@ -19,12 +17,6 @@ void Rate::update(const VecA& q_a, TimePoint time, Duration longest) noexcept {
 void Rate::forget() noexcept {
   value_.setZero();
   has_last_ = false;
-}
-
-double DampingGain::step(bool wanted, Duration dt) noexcept {
-  const double elapsed = seconds(dt);
-  return value_ = wanted ? std::min(1.0, value_ + elapsed / seconds(kRise))
-                         : std::max(0.0, value_ - elapsed / seconds(kFall));
 }
 
 }  // namespace haptic::core

@@ -107,16 +107,6 @@ MapStatus FingerExoskeleton::position(const VecQ& q, VecX& x_probe) const noexce
   return MapStatus::kOk;
 }
 
-MapStatus FingerExoskeleton::second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept {
-  LinkageHessian h;
-  if (!parts_->linkage.hessian(q[0], q[1], h)) return MapStatus::kCannotClose;
-  J_k.resize(2, 2);
-  for (int i = 0; i < 2; ++i) {
-    for (int m = 0; m < 2; ++m) J_k(i, m) = h.H[i][k][m];
-  }
-  return MapStatus::kOk;
-}
-
 InverseStatus FingerExoskeleton::inverse(const VecX& x, VecQ& q) const noexcept {
   const FingerLinkage& linkage = parts_->linkage;
   q.resize(2);

@@ -106,18 +106,6 @@ class HandExoskeleton final : public Kinematics {
     return MapStatus::kOk;
   }
 
-  MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override {
-    const int at = k - k % kPerFinger;
-    MatXQ block;
-    const Kinematics& finger = *fingers_[static_cast<std::size_t>(k / kPerFinger)].kinematics;
-    if (finger.second_order(q.segment<kPerFinger>(at), k - at, block) != MapStatus::kOk) {
-      return MapStatus::kCannotClose;
-    }
-    J_k.setZero(layout_.n_q(), layout_.n_q());
-    J_k.block<kPerFinger, kPerFinger>(at, at) = block;
-    return MapStatus::kOk;
-  }
-
   std::span<const Mechanism> mechanisms() const noexcept override { return mechanisms_; }
 
   InverseStatus inverse(const VecX& x, VecQ& q) const noexcept override {

@@ -59,19 +59,20 @@ VecQ workspace_sample(const Kinematics& kinematics, int i) {
   return q;
 }
 
+double actuated_norm(const MatXQ& J, const DofLayout& layout) noexcept {
+  double sum = 0.0;
+  for (int i = 0; i < layout.n_a(); ++i) sum += J.col(layout.actuated(i)).squaredNorm();
+  return std::sqrt(sum);
+}
+
 double mean_actuated_jacobian(const Kinematics& kinematics) {
-  const DofLayout& layout = kinematics.layout();
   VecX x;
   MatXQ J;
   double sum = 0.0;
   int counted = 0;
   for (int s = 0; s < kSamples; ++s) {
     if (kinematics.evaluate(workspace_sample(kinematics, s), x, J) != MapStatus::kOk) continue;
-    double squares = 0.0;
-    for (int a = 0; a < layout.n_a(); ++a) {
-      squares += J.col(layout.actuated(a)).squaredNorm();
-    }
-    sum += std::sqrt(squares);
+    sum += actuated_norm(J, kinematics.layout());
     ++counted;
   }
   return counted > 0 ? sum / counted : 0.0;

@@ -32,9 +32,7 @@ class Linear final : public Kinematics {
         throw SceneError("dof " + dof.name + ": lower must be < upper, both finite");
       }
     }
-    double sum = 0.0;
-    for (int i = 0; i < layout_.n_a(); ++i) sum += A_.col(layout_.actuated(i)).squaredNorm();
-    mean_J_a_ = std::sqrt(sum);
+    mean_J_a_ = actuated_norm(A_, layout_);
   }
 
   MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override {
@@ -42,11 +40,6 @@ class Linear final : public Kinematics {
     x_probe = x_0_;
     x_probe.noalias() += A_.lazyProduct(q);
     J = A_;
-    return MapStatus::kOk;
-  }
-
-  MapStatus second_order(const VecQ&, int, MatXQ& J_k) const noexcept override {
-    J_k.setZero(A_.rows(), A_.cols());
     return MapStatus::kOk;
   }
 

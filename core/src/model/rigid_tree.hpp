@@ -1,12 +1,10 @@
 #pragma once
-/// A tree of rigid bodies in variables y, and the points and frames on them: x, J = dx/dy and
-/// dJ/dy_k, exact. The engine behind serial chains and the tracked hand.
+/// A tree of rigid bodies in variables y, and the points and frames on them: x and J = dx/dy,
+/// exact. The engine behind serial chains and the tracked hand.
 ///
 /// Each variable k moves its bodies with an angular velocity w_k about the point c_k and a linear
 /// velocity t_k: a point p on them has dp/dy_k = t_k + w_k x (p - c_k), a frame's quaternion Q has
-/// dQ/dy_k = 1/2 w_k Q. Variables are numbered parents first, so of two the lower one carries the
-/// higher one's axis with it: d2p/dy_i dy_k = w_lo x dp/dy_hi, d2Q/dy_i dy_k = 1/4 w_lo w_hi Q. The
-/// one exception, two components of one rotation vector, adds dw_lo/dy_hi.
+/// dQ/dy_k = 1/2 w_k Q. Variables are numbered parents first.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -42,7 +40,6 @@ class RigidTree {
   /// others one. At most kMaxQ variables and kMaxX coordinates: checked by the caller.
   RigidTree(std::vector<TreeJoint> joints, std::vector<TreeOutput> outputs);
 
-  [[nodiscard]] int n_y() const noexcept { return n_y_; }
   [[nodiscard]] int n_x() const noexcept { return n_x_; }
   [[nodiscard]] std::vector<Coordinate> coordinates() const;
   [[nodiscard]] const std::vector<TreeJoint>& joints() const noexcept { return joints_; }
@@ -54,19 +51,15 @@ class RigidTree {
 
   /// x: n_x. J: n_x by n_y. y: n_y, finite.
   void evaluate(const double* y, VecX& x, MatXQ& J) const noexcept;
-  /// J_k = dJ/dy_k: n_x by n_y.
-  void second_order(const double* y, int k, MatXQ& J_k) const noexcept;
 
  private:
   struct State;  // bodies and twists at one y
   void place(const double* y, State& s) const noexcept;
-  [[nodiscard]] bool same_rotation(int i, int k) const noexcept;
 
   std::vector<TreeJoint> joints_;
   std::vector<TreeOutput> outputs_;
   std::vector<int> first_;               ///< first variable of each joint
   std::vector<std::uint32_t> moved_by_;  ///< per body: bit k set where variable k moves it
-  int rotation_of_[kMaxQ]{};             ///< joint whose rotation vector holds variable k, or -1
   int n_y_{0};
   int n_x_{0};
 };

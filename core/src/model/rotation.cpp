@@ -7,9 +7,9 @@ namespace haptic::core {
 
 namespace {
 
-/// J_l = I + a [phi] + b [phi]^2; slopes: (da/dtheta)/theta and (db/dtheta)/theta, finite at 0.
+/// J_l = I + a [phi] + b [phi]^2.
 struct Coefficients {
-  double a, b, a_slope, b_slope;
+  double a, b;
 };
 
 Coefficients coefficients(double theta) noexcept {
@@ -17,14 +17,10 @@ Coefficients coefficients(double theta) noexcept {
   // Below 0.2 the closed forms cancel (eps/theta^2); the series' first term left out is < 1e-13.
   if (theta < 0.2) {
     return {1.0 / 2.0 - t2 * (1.0 / 24.0 - t2 * (1.0 / 720.0 - t2 * (1.0 / 40320.0))),
-            1.0 / 6.0 - t2 * (1.0 / 120.0 - t2 * (1.0 / 5040.0 - t2 * (1.0 / 362880.0))),
-            -1.0 / 12.0 + t2 * (1.0 / 180.0 - t2 * (1.0 / 6720.0 - t2 * (1.0 / 453600.0))),
-            -1.0 / 60.0 + t2 * (1.0 / 1260.0 - t2 * (1.0 / 60480.0 - t2 * (1.0 / 4989600.0)))};
+            1.0 / 6.0 - t2 * (1.0 / 120.0 - t2 * (1.0 / 5040.0 - t2 * (1.0 / 362880.0)))};
   }
   const double half = std::sin(0.5 * theta);
-  const double a = 2.0 * half * half / t2;
-  const double b = (theta - std::sin(theta)) / (t2 * theta);
-  return {a, b, (std::sin(theta) / theta - 2.0 * a) / t2, (a - 3.0 * b) / t2};
+  return {2.0 * half * half / t2, (theta - std::sin(theta)) / (t2 * theta)};
 }
 
 Eigen::Matrix3d cross(const Eigen::Vector3d& v) noexcept {
@@ -46,20 +42,6 @@ Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& phi) noexcept {
   const Coefficients c = coefficients(phi.norm());
   const Eigen::Matrix3d P = cross(phi);
   return Eigen::Matrix3d::Identity() + c.a * P + c.b * P * P;
-}
-
-RotationDerivative rotation_derivative(const Eigen::Vector3d& phi) noexcept {
-  const Coefficients c = coefficients(phi.norm());
-  const Eigen::Matrix3d P = cross(phi);
-  const Eigen::Matrix3d P2 = P * P;
-  RotationDerivative out;
-  out.J_l = Eigen::Matrix3d::Identity() + c.a * P + c.b * P2;
-  for (int m = 0; m < 3; ++m) {
-    const Eigen::Matrix3d E = cross(Eigen::Vector3d::Unit(m));
-    out.dJ_l[static_cast<std::size_t>(m)] =
-        phi[m] * (c.a_slope * P + c.b_slope * P2) + c.a * E + c.b * (E * P + P * E);
-  }
-  return out;
 }
 
 Eigen::Vector3d rotation_vector(const UnitQuaternion& orientation) noexcept {

@@ -1,23 +1,16 @@
 #pragma once
-/// The exponential map of rotations and its derivatives, smooth through angle 0.
+/// The exponential map of rotations and its derivative, smooth through angle 0.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <array>
 
 #include "haptic/core/model/rigid_pose.hpp"
 
 namespace haptic::core {
 
-/// omega = left_jacobian(phi) phi_dot, and how it changes with phi.
-struct RotationDerivative {
-  Eigen::Matrix3d J_l{};  ///< left Jacobian of exp at phi; column i is omega of phi_i
-  std::array<Eigen::Matrix3d, 3> dJ_l{};  ///< d J_l / d phi_m
-};
-
 [[nodiscard]] Eigen::Quaterniond exponential(const Eigen::Vector3d& phi) noexcept;
+/// omega = left_jacobian(phi) phi_dot; column i is omega of phi_i.
 [[nodiscard]] Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& phi) noexcept;
-[[nodiscard]] RotationDerivative rotation_derivative(const Eigen::Vector3d& phi) noexcept;
 
 inline Eigen::Vector3d vector(const Point3& p) noexcept {
   return {p.x, p.y, p.z};

@@ -61,38 +61,6 @@ MapStatus TreeMap::evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexce
   return MapStatus::kOk;
 }
 
-MapStatus TreeMap::second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept {
-  Joints joints;
-  if (!joints_of(q, joints)) return MapStatus::kCannotClose;
-  const auto drive = std::find_if(drives_.begin(), drives_.end(), [k](const TreeDrive& d) {
-    return k >= d.first && k < d.first + 2;
-  });
-  if (drive == drives_.end()) {
-    tree_.second_order(joints.y, k, J_k);
-    through_mechanisms(joints, J_k);
-    return MapStatus::kOk;
-  }
-  // d(J_y D)/dq_k = (sum_m dJ_y/dy_m D_mk) D + J_y dD/dq_k, D = dy/dq of this mechanism.
-  VecX x;
-  MatXQ J_y, dD, term;
-  const VecQ part = q.segment<2>(drive->first);
-  if (drive->mechanism->second_order(part, k - drive->first, dD) != MapStatus::kOk) {
-    return MapStatus::kCannotClose;
-  }
-  const Eigen::Matrix2d& D = joints.D[drive - drives_.begin()];
-  J_k.setZero(tree_.n_x(), tree_.n_y());
-  for (int m = 0; m < 2; ++m) {
-    tree_.second_order(joints.y, drive->first + m, term);
-    J_k += D(m, k - drive->first) * term;
-  }
-  through_mechanisms(joints, J_k);
-  tree_.evaluate(joints.y, x, J_y);
-  for (int c = 0; c < 2; ++c) {
-    for (int m = 0; m < 2; ++m) J_k.col(drive->first + c) += dD(m, c) * J_y.col(drive->first + m);
-  }
-  return MapStatus::kOk;
-}
-
 void TreeMap::nearest_representative(const VecQ& near, VecQ& q) const noexcept {
   if (rotation_ < 0) return;
   q.segment<3>(rotation_) =

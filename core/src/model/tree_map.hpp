@@ -24,7 +24,6 @@ class TreeMap final : public Kinematics {
   TreeMap(RigidTree tree, std::vector<DofSpec> dofs, std::vector<TreeDrive> drives, int rotation);
 
   MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override;
-  MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override;
   void nearest_representative(const VecQ& near, VecQ& q) const noexcept override;
   std::span<const Mechanism> mechanisms() const noexcept override { return mechanisms_; }
   Drawing drawing() const override;

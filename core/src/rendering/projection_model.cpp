@@ -43,12 +43,6 @@ int for_poses(const Kinematics& kinematics, Visit visit) {
   return found;
 }
 
-double actuated_norm(const MatXQ& J, const DofLayout& layout) {
-  double sum = 0.0;
-  for (int i = 0; i < layout.n_a(); ++i) sum += J.col(layout.actuated(i)).squaredNorm();
-  return std::sqrt(sum);
-}
-
 /// A quaternion and its negative are one rotation: what ties its parts to anything else would
 /// change sign with the way it happens to be written.
 void require_rotations_apart(const ConfigurationSpace& space, const TaskMetric& metric) {

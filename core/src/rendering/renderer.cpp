@@ -6,14 +6,13 @@ namespace haptic::core {
 
 namespace {
 
-using Any = std::variant<Standard, NullSpace, SubspaceLinear, SubspaceExact, PerContact>;
+using Any = std::variant<Baseline, SubspaceLinear, SubspaceExact, PerContact>;
 
 Any make(RendererKind kind, const ProjectionModel& model) {
-  if (kind == RendererKind::kStandard) return Standard(model);
-  if (kind == RendererKind::kNullSpace) return NullSpace(model);
   if (kind == RendererKind::kSubspaceLinear) return SubspaceLinear(model);
+  if (kind == RendererKind::kSubspaceExact) return SubspaceExact(model);
   if (kind == RendererKind::kPerContact) return PerContact(model);
-  return SubspaceExact(model);
+  return Baseline(kind, model);
 }
 
 }  // namespace
@@ -25,11 +24,7 @@ std::string_view name(RendererKind kind) noexcept {
 }
 
 Renderer::Renderer(RendererKind kind, const ProjectionModel& model)
-    : renderer_(make(kind, model)) {}
-
-RendererKind Renderer::kind() const noexcept {
-  return static_cast<RendererKind>(renderer_.index() + 1);
-}
+    : kind_(kind), renderer_(make(kind, model)) {}
 
 void Renderer::project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                        bool proxy_changed, Projection& out) noexcept {

@@ -4,6 +4,13 @@
 
 namespace haptic::core {
 
+namespace {
+
+/// From a damping gain of 1 to 0.
+constexpr Duration kDampingFall{std::chrono::milliseconds(80)};
+
+}  // namespace
+
 Lifecycle Supervisor::step(const TickInput& in, const Beat& beat, const Settings& settings,
                            const Sensed& sensed, const ProxyInUse& proxy, const Anchor& anchor,
                            FaultSet output) noexcept {
@@ -87,7 +94,8 @@ void Supervisor::move_gains(const Beat& beat, const Settings& settings, const Se
   const bool wanted =
       (state == LifecycleState::kEngaging || state == LifecycleState::kEngaged) && !sensed.silent;
   gain_.step(wanted, proxy.ladder, beat.dt, limits.fade_end - limits.hold_end);
-  damping_gain_.step(force_granted_ && anchor.in_the_way && sensed.recent, beat.dt);
+  damping_gain_.step(force_granted_ && anchor.in_the_way && sensed.recent, 1.0, beat.dt,
+                     kDampingFall);
   if (!force_granted_ && !carries_force(state)) damping_gain_.zero();
   if (state == LifecycleState::kFault || state == LifecycleState::kClosing) gain_.zero();
 }

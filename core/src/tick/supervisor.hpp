@@ -2,7 +2,6 @@
 /// Stage of a tick: what people and programs asked for, the faults that latch, the device's state
 /// and its two gains (proto/README.md#states-of-a-device).
 
-#include "haptic/core/control/impedance.hpp"
 #include "haptic/core/tick/tick_record.hpp"
 #include "session_settings.hpp"
 
@@ -31,7 +30,7 @@ class Supervisor {
   const Duration sample_period_;
   LifecycleMachine machine_{};
   Gain gain_{};
-  DampingGain damping_gain_{};
+  Gain damping_gain_{};      ///< g_d
   Lifecycle life_{};         ///< of the last tick
   std::uint32_t tenure_{0};  ///< of the lease in the last tick
   /// An Engage was accepted and neither Release, end of lease nor a fault has ended what it

@@ -7,7 +7,6 @@
 #include "hw/board/board_device.hpp"
 #include "hw/replay/replay.hpp"
 #include "hw/replay/tracked_orientation.hpp"
-#include "hw/simulated/finger.hpp"
 #include "hw/simulated/hand.hpp"
 #include "hw/simulated/linear.hpp"
 #include "server/owner/scene/parts.hpp"
@@ -44,13 +43,14 @@ void read_worn_finger(const Part<Message>& part, hw::WornFinger& worn) {
   });
 }
 
-hw::SimulatedFingerConfig read_simulated_finger(const Part<v1::SimulatedFinger>& part) {
-  hw::SimulatedFingerConfig c;
+hw::SimulatedHandConfig read_simulated_finger(const Part<v1::SimulatedFinger>& part) {
+  hw::SimulatedHandConfig c;
+  c.target.setZero(2);
   if (!part->has_seed()) part->set_seed(c.seed);
   c.seed = part->seed();
   if (part->motion_file().empty()) {
-    part.numbers({{"target_mcp_rad", &c.target_mcp, Allowed::kFinite},
-                  {"target_pip_rad", &c.target_pip, Allowed::kFinite}});
+    part.numbers({{"target_mcp_rad", &c.target[0], Allowed::kFinite},
+                  {"target_pip_rad", &c.target[1], Allowed::kFinite}});
   } else if (part->has_target_mcp_rad() || part->has_target_pip_rad()) {
     part.wrong("motion_file", "given with target_mcp_rad or target_pip_rad",
                "must be one or the other: the finger goes where the file says, or to the target");

@@ -96,18 +96,46 @@ TEST_F(FingerExoskeleton, CoordinatesTellThePhalanxBetweenThem) {
   EXPECT_EQ(finger->space().coordinates()[1].link, 0.0);
 }
 
-TEST_P(EveryLinkage, DerivativesAgreeWithCentralDifferences) {
+TEST_P(EveryLinkage, JacobianAgreesWithCentralDifferences) {
   std::mt19937_64 random(2);
-  DerivativeErrors worst;
+  double worst = 0.0;
   for (int poses = 0; poses < 2000;) {
     const VecQ q = random_pose(random);
     if (!valid(dimensions, finger_pose(dimensions, q[0], q[1]))) continue;
     ++poses;
-    const DerivativeErrors e = derivative_errors(*finger, q);
-    worst = {std::max(worst.J, e.J), std::max(worst.dJ, e.dJ)};
+    worst = std::max(worst, jacobian_error(*finger, q));
   }
-  EXPECT_LT(worst.J, 2e-7);
-  EXPECT_LT(worst.dJ, 5e-7);
+  EXPECT_LT(worst, 2e-7);
+}
+
+/// Slopes by q of the sliders' ends, and, by the second derivatives of x, of the branch.
+TEST_P(EveryLinkage, ConstraintsAgreeWithCentralDifferences) {
+  std::mt19937_64 random(2);
+  const double scale[2] = {0.02, 1.0};
+  double worst = 0.0;
+  int slopes_of_the_branch = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const VecQ q = random_pose(random);
+    Constraints here, up, down;
+    if (finger->constraints(q, here) != MapStatus::kOk) continue;
+    for (int k = 0; k < 2; ++k) {
+      VecQ plus = q, minus = q;
+      plus[k] += 6e-6 * scale[k];
+      minus[k] -= 6e-6 * scale[k];
+      if (finger->constraints(plus, up) != MapStatus::kOk) continue;
+      if (finger->constraints(minus, down) != MapStatus::kOk) continue;
+      for (std::size_t c = 0; c < here.size(); ++c) {
+        const double* const slope = here[c].gradient;
+        if (slope[0] == 0.0 && slope[1] == 0.0) continue;  // far off
+        slopes_of_the_branch += c == 4;
+        const double largest = std::hypot(scale[0] * slope[0], scale[1] * slope[1]);
+        const double measured = (up[c].room - down[c].room) / (2 * 6e-6);
+        worst = std::max(worst, std::abs(measured - scale[k] * slope[k]) / largest);
+      }
+    }
+  }
+  EXPECT_GT(slopes_of_the_branch, 100);
+  EXPECT_LT(worst, 1e-4);  // near where the linkage ceases to close slopes change fast
 }
 
 TEST_P(EveryLinkage, BothClosedFormsAgree) {

@@ -43,9 +43,6 @@ class Wrapped : public Kinematics {
     ++positions;
     return map_.position(q, x);
   }
-  MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override {
-    return map_.second_order(q, k, J_k);
-  }
   [[nodiscard]] const Kinematics& map() const { return map_; }
 
   mutable int evaluations{0}, positions{0};

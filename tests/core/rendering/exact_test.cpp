@@ -157,7 +157,7 @@ TEST(Iteration, UnreachableProxiesEndBoundedAndReported) {
     EXPECT_LE(out.residual, at.dx.norm());
     EXPECT_TRUE(out.status == ProjectionStatus::kUnreachable ||
                 out.status == ProjectionStatus::kCapped)
-        << name(out.status);
+        << static_cast<int>(out.status);
   }
 }
 

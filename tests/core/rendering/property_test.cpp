@@ -126,7 +126,7 @@ TEST_P(EveryJacobian, ReportedConditionBoundsTheForce) {
     } else {
       ASSERT_TRUE(linear.status == ProjectionStatus::kRankDeficient ||
                   linear.status == ProjectionStatus::kIllConditioned)
-          << name(linear.status);
+          << static_cast<int>(linear.status);
     }
     for (const RendererKind kind : {RendererKind::kNullSpace, RendererKind::kSubspaceLinear}) {
       if (!is_singular(GetParam(), trial)) continue;

@@ -30,9 +30,6 @@ class WideMap final : public Kinematics {
     J.row(1) = A.row(1) + .4 * z[0] * A.row(0);
     return MapStatus::kOk;
   }
-  MapStatus second_order(const VecQ&, int, MatXQ&) const noexcept override {
-    return MapStatus::kCannotClose;
-  }
 };
 
 /// The hand of tests/report/STUDY.md#larger-devices: a tracked wrist and fingers of four joints

@@ -8,6 +8,7 @@
 
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/identical.hpp"
 
 namespace haptic::core::test {
 

@@ -64,7 +64,7 @@ TEST(BoardCalibration, ForcesAreSentInCellReadings) {
   config.calibration = good();
   DeviceSide side(config, core::make_finger_exoskeleton(core::finger_sign_change()),
                   core::Duration{0});
-  Identity board{.capabilities = kMeasuresForce | kForceLoop, .serial = "HX-7"};
+  Identity board{.capabilities = HB_MEASURES_FORCE | HB_FORCE_LOOP, .serial = "HX-7"};
   side.identify({board, {}});
   const auto sent = [&](const hw::Command& command) { return side.write(command).tau_a[0]; };
   const hw::Command press{true, core::VecA::Constant(1, 2.0), {}};
@@ -73,7 +73,7 @@ TEST(BoardCalibration, ForcesAreSentInCellReadings) {
   }
   EXPECT_NEAR(sent({true, {}, {}}), 0.7, 1e-15) << "no force at all";
   EXPECT_EQ(sent({false, press.tau_a, {}}), 0.0) << "what is not armed is told nothing";
-  board.capabilities = kMeasuresForce;
+  board.capabilities = HB_MEASURES_FORCE;
   side.identify({board, {}});
   EXPECT_EQ(sent(press), 2.0) << "a drive's force has no cell to be compared with";
 }

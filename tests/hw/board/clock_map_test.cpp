@@ -44,7 +44,6 @@ TEST(ClockMap, AConstantDelayStays) {
     if (i <= 5000) continue;
     ASSERT_NEAR(error, 0.8e-3, 5e-6) << i;
   }
-  EXPECT_NEAR(link.map.drift(), 150e-6, 5e-6);
 }
 
 TEST(ClockMap, LinkJitterIsRemoved) {
@@ -71,7 +70,6 @@ TEST(ClockMap, StragglersDoNotMoveTheLine) {
     const double error = link.next(i % 10 == 0 ? 8e-3 : 0.2e-3);
     ASSERT_NEAR(error, 0.2e-3, 20e-6) << i;
   }
-  EXPECT_EQ(link.map.stragglers(), 300U);
 }
 
 TEST(ClockMap, ALastingDelayIsLearnt) {

@@ -37,7 +37,7 @@ TEST(DeviceSide, ArmedOnlyUnderTheNewestArming) {
 
 TEST(DeviceSide, TheBoardTellsItsDrivesDamping) {
   DeviceSide side = make_side();
-  side.identify({{.capabilities = kMeasuresForce}, core::VecA::Constant(1, 3125.0)});
+  side.identify({{.capabilities = HB_MEASURES_FORCE}, core::VecA::Constant(1, 3125.0)});
   EXPECT_TRUE(side.info().measures_force);
   EXPECT_EQ(side.info().limits.drive_damping, core::VecA::Constant(1, 3125.0));
 }

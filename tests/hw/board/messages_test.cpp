@@ -25,7 +25,7 @@ Bytes bytes_of(const Message& message) {
 }
 
 Command command() {
-  Command c{kNonce, CommandKind::kForce, 1, {}};
+  Command c{kNonce, HB_FORCE, 1, {}};
   c.value[0] = 2.5F;
   return c;
 }
@@ -33,7 +33,7 @@ Command command() {
 Identity identity() {
   return {.n_q = 2,
           .n_a = 1,
-          .capabilities = kForceLoop | kMeasuresForce,
+          .capabilities = HB_FORCE_LOOP | HB_MEASURES_FORCE,
           .session = kSession,
           .watchdog_us = 25000,
           .sample_period_us = 1000,
@@ -47,7 +47,7 @@ State state() {
           .nonce = kNonce,
           .command_seq = 3,
           .command_age_us = 850,
-          .state = BoardState::kArmed,
+          .state = HB_ARMED,
           .n_q = 2,
           .n_f = 1};
   s.q[0] = 0.015625F;

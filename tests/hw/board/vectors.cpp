@@ -16,7 +16,7 @@ Vector parse_head(const std::string& line) {
   if (!(words >> vector.name >> type >> seq_word >> vector.seq) || seq_word != "seq") {
     throw std::runtime_error("not a vector: " + line);
   }
-  vector.type = static_cast<hw::board::FrameType>(std::stoul(type, nullptr, 16));
+  vector.type = static_cast<std::uint8_t>(std::stoul(type, nullptr, 16));
   return vector;
 }
 

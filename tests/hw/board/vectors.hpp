@@ -5,17 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "hw/board/frame_codec.hpp"
-
 namespace haptic::test {
 
 struct Vector {
   std::string name{};
-  hw::board::FrameType type{};
+  std::uint8_t type{0};  ///< hf_type
   std::uint32_t seq{0};
   std::vector<std::uint8_t> payload{};
   std::vector<std::uint8_t> wire{};
-  [[nodiscard]] hw::board::Frame frame() const { return {type, seq, payload}; }
 };
 
 /// Throws std::runtime_error where the document has none, or one that cannot be read.

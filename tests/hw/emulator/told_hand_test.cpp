@@ -33,7 +33,7 @@ struct Pipe {
 
 struct ToldRig : ::testing::Test {
   std::shared_ptr<const core::Kinematics> kinematics = core::make_finger_exoskeleton({});
-  Rig rig{{}, {}, Intent(Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()), kinematics, 1};
+  Rig rig{{}, {}, HandIntent(Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()), kinematics, 1};
   Pipe pipe;
   ToldHand hand{pipe.ends[0]};
 
@@ -96,7 +96,7 @@ TEST(TruthLog, WritesTheTruthEvery10Milliseconds) {
   const test::TemporaryFile file("", "truth.csv");
   EmulatorConfig config;
   config.l_x_offset = 0.003;  // the sensor's business, not the truth's
-  EmulatedBoard board(config, Intent(Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5)),
+  EmulatedBoard board(config, HandIntent(Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5)),
                       core::make_finger_exoskeleton({}));
   {
     TruthLog log(file.path().string());

@@ -1,4 +1,4 @@
-/// The board's state machine in virtual time, spoken to with the server's own codec.
+/// The board's state machine in virtual time, spoken to with the server's own messages.
 #include "hw/firmware/haptic_board.h"
 
 #include <gtest/gtest.h>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hw/board/messages.hpp"
+#include "tests/hw/board/frames.hpp"
 
 namespace haptic::hw::board {
 namespace {
@@ -26,25 +27,22 @@ class FirmwareBoard : public testing::Test {
   void power_on() { hb_init(&board_, &config_, &FirmwareBoard::keep, this); }
 
   template <typename Message>
-  void send(FrameType type, const Message& message) {
+  void send(hf_type type, const Message& message) {
     send_as(++seq_, type, message);
   }
   template <typename Message>
-  void send_as(std::uint32_t seq, FrameType type, const Message& message) {
-    const Payload payload = write(message);
-    WireBuffer wire;
-    const std::size_t length = encode({type, seq, payload.view()}, wire);
-    for (std::size_t i = 0; i < length; ++i) hb_receive(&board_, wire[i], now_);
+  void send_as(std::uint32_t seq, hf_type type, const Message& message) {
+    receive(test::wire_of(type, seq, write(message).view()));
   }
-  void hello(std::uint32_t session = 77) { send(FrameType::kHello, Hello{1, session}); }
-  void arm(std::uint32_t nonce = 5) { send(FrameType::kArm, Arm{nonce}); }
-  static Command wish(float value, std::uint32_t nonce = 5,
-                      CommandKind kind = CommandKind::kForce) {
+  void receive(const std::vector<std::uint8_t>& wire) {
+    for (const std::uint8_t byte : wire) hb_receive(&board_, byte, now_);
+  }
+  void hello(std::uint32_t session = 77) { send(HF_HELLO, Hello{1, session}); }
+  void arm(std::uint32_t nonce = 5) { send(HF_ARM, Arm{nonce}); }
+  static Command wish(float value, std::uint32_t nonce = 5, std::uint8_t kind = HB_FORCE) {
     return {nonce, kind, 1, {value}};
   }
-  void command(float force, std::uint32_t nonce = 5) {
-    send(FrameType::kCommand, wish(force, nonce));
-  }
+  void command(float force, std::uint32_t nonce = 5) { send(HF_COMMAND, wish(force, nonce)); }
   /// A session, armed under nonce 5, with this force commanded.
   void press(float force) {
     hello();
@@ -74,7 +72,7 @@ class FirmwareBoard : public testing::Test {
                     kWatchdogUs, 1000,   kDofs,     2};
   hb_board board_{};
   bool room_{true};
-  std::vector<FrameType> sent_{};
+  std::vector<std::uint8_t> sent_{};  ///< types of the frames
   std::optional<State> state_{};
   std::optional<Identity> identity_{};
 
@@ -83,15 +81,15 @@ class FirmwareBoard : public testing::Test {
     auto& self = *static_cast<FirmwareBoard*>(context);
     if (!self.room_) return false;
     for (std::size_t i = 0; i < length; ++i) {
-      if (self.decoder_.push(bytes[i]) != FrameDecoder::Event::kFrame) continue;
-      const Frame& frame = self.decoder_.frame();
-      self.sent_.push_back(frame.type);
-      if (frame.type == FrameType::kState) self.state_ = read<State>(frame.payload);
-      if (frame.type == FrameType::kIdentity) self.identity_ = read<Identity>(frame.payload);
+      if (hf_push(&self.decoder_, bytes[i]) != HF_FRAME) continue;
+      const auto payload = test::payload_of(self.decoder_);
+      self.sent_.push_back(self.decoder_.type);
+      if (self.sent_.back() == HF_STATE) self.state_ = read<State>(payload);
+      if (self.sent_.back() == HF_IDENTITY) self.identity_ = read<Identity>(payload);
     }
     return true;
   }
-  FrameDecoder decoder_{};
+  hf_decoder decoder_{};
   int samples_{0};
 };
 
@@ -102,7 +100,7 @@ TEST_F(FirmwareBoard, SilentUntilHello) {
 }
 
 TEST_F(FirmwareBoard, AnotherVersionGetsNoSession) {
-  send(FrameType::kHello, Hello{2, 77});
+  send(HF_HELLO, Hello{2, 77});
   ASSERT_TRUE(identity_);
   EXPECT_EQ(identity_->version, 1);
   EXPECT_FALSE(sample());
@@ -116,7 +114,7 @@ TEST_F(FirmwareBoard, FollowsOnlyArmedAndCommanded) {
   EXPECT_FALSE(reference());  // nothing to follow yet
   command(3.0F);
   EXPECT_EQ(reference(), 3.0F);
-  send(FrameType::kDisarm, Disarm{});
+  send(HF_DISARM, Disarm{});
   EXPECT_FALSE(reference());
 }
 
@@ -136,7 +134,7 @@ TEST_F(FirmwareBoard, TheWatchdogStopsOnTime) {
   now_ += 1;
   EXPECT_FALSE(reference());
   ASSERT_TRUE(sample());
-  EXPECT_EQ(state_->state, BoardState::kStopped);
+  EXPECT_EQ(state_->state, HB_STOPPED);
   EXPECT_EQ(board_.counters.watchdog_stops, 1U);
 }
 
@@ -162,8 +160,8 @@ TEST_F(FirmwareBoard, OnlyANewNonceRearms) {
   now_ += kWatchdogUs + 1;
   EXPECT_FALSE(reference());
   arm(5);
-  send(FrameType::kDisarm, Disarm{});
-  EXPECT_EQ(sample()->state, BoardState::kStopped);
+  send(HF_DISARM, Disarm{});
+  EXPECT_EQ(sample()->state, HB_STOPPED);
   arm(6);
   command(1.0F, 5);  // of the arming before: still in some buffer
   EXPECT_FALSE(reference());
@@ -178,29 +176,27 @@ TEST_F(FirmwareBoard, OnlyCommandsRestartTheWatchdog) {
     hello();            // a host that lives, but commands nothing
     command(3.0F, 99);  // wrong nonce
     command(std::numeric_limits<float>::quiet_NaN());
-    Command two{5, CommandKind::kForce, 2, {}};
-    send(FrameType::kCommand, two);
+    Command two{5, HB_FORCE, 2, {}};
+    send(HF_COMMAND, two);
   }
-  EXPECT_EQ(sample()->state, BoardState::kStopped);
+  EXPECT_EQ(sample()->state, HB_STOPPED);
   EXPECT_EQ(board_.counters.malformed, 40U);
 }
 
 TEST_F(FirmwareBoard, OldFramesAreDroppedAndCounted) {
   press(1.0F);
   const std::uint32_t last = seq_;
-  send_as(last, FrameType::kCommand, wish(9.0F));
-  send_as(last - 1, FrameType::kCommand, wish(9.0F));
+  send_as(last, HF_COMMAND, wish(9.0F));
+  send_as(last - 1, HF_COMMAND, wish(9.0F));
   EXPECT_EQ(reference(), 1.0F);
   EXPECT_EQ(board_.counters.not_newer, 2U);
 }
 
 TEST_F(FirmwareBoard, CorruptFramesAreDroppedAndCounted) {
   press(1.0F);
-  const Payload payload = write(wish(9.0F));
-  WireBuffer wire;
-  const std::size_t length = encode({FrameType::kCommand, ++seq_, payload.view()}, wire);
-  wire[length - 3] ^= 0x10;  // within the CRC
-  for (std::size_t i = 0; i < length; ++i) hb_receive(&board_, wire[i], now_);
+  std::vector<std::uint8_t> wire = test::wire_of(HF_COMMAND, ++seq_, write(wish(9.0F)).view());
+  wire[wire.size() - 3] ^= 0x10;  // within the CRC
+  receive(wire);
   EXPECT_EQ(reference(), 1.0F);
   EXPECT_EQ(board_.counters.bad_crc, 1U);
   command(2.0F);
@@ -211,9 +207,9 @@ TEST_F(FirmwareBoard, ANewSessionDisarms) {
   hello(1);
   arm();
   command(3.0F);
-  send_as(1, FrameType::kHello, Hello{1, 2});  // its numbers start anew
+  send_as(1, HF_HELLO, Hello{1, 2});  // its numbers start anew
   EXPECT_FALSE(reference());
-  EXPECT_EQ(sample()->state, BoardState::kDisarmed);
+  EXPECT_EQ(sample()->state, HB_DISARMED);
   seq_ = 1;
   arm(6);
   command(1.0F, 6);
@@ -232,15 +228,15 @@ TEST_F(FirmwareBoard, ARepeatedHelloOnlyAnswers) {
 
 TEST_F(FirmwareBoard, AFaultStopsAndIsLatched) {
   press(3.0F);
-  EXPECT_EQ(sample(HB_FORCE_OVER_LIMIT)->state, BoardState::kFault);
-  EXPECT_EQ(state_->faults, kForceOverLimit);
+  EXPECT_EQ(sample(HB_FORCE_OVER_LIMIT)->state, HB_FAULT);
+  EXPECT_EQ(state_->faults, HB_FORCE_OVER_LIMIT);
   EXPECT_FALSE(reference());
   arm(6);  // the cause persists
-  EXPECT_EQ(sample(HB_FORCE_OVER_LIMIT)->state, BoardState::kFault);
-  EXPECT_EQ(sample(0)->state, BoardState::kFault);
+  EXPECT_EQ(sample(HB_FORCE_OVER_LIMIT)->state, HB_FAULT);
+  EXPECT_EQ(sample(0)->state, HB_FAULT);
   EXPECT_EQ(state_->faults, 0);
   arm(7);
-  EXPECT_EQ(sample(0)->state, BoardState::kArmed);
+  EXPECT_EQ(sample(0)->state, HB_ARMED);
 }
 
 TEST_F(FirmwareBoard, ARepeatingSensorIsStuck) {
@@ -248,10 +244,10 @@ TEST_F(FirmwareBoard, ARepeatingSensorIsStuck) {
   const float q[2] = {0.01F, 0.2F};
   // The first reading, and 99 that repeat it.
   for (int i = 0; i < 100; ++i) hb_sample(&board_, now_ += 1000, q, nullptr, 0);
-  EXPECT_EQ(state_->state, BoardState::kDisarmed);
+  EXPECT_EQ(state_->state, HB_DISARMED);
   hb_sample(&board_, now_ += 1000, q, nullptr, 0);
-  EXPECT_EQ(state_->state, BoardState::kFault);
-  EXPECT_EQ(state_->faults, kSensorStuck);
+  EXPECT_EQ(state_->state, HB_FAULT);
+  EXPECT_EQ(state_->faults, HB_SENSOR_STUCK);
   EXPECT_EQ(sample()->faults, 0);  // it moves again
 }
 
@@ -289,18 +285,18 @@ TEST_F(FirmwareBoard, SendsCountersTenTimesASecond) {
     now_ += 1000;
     static_cast<void>(sample());
   }
-  EXPECT_EQ(std::count(sent_.begin(), sent_.end(), FrameType::kState), 1000);
-  EXPECT_EQ(std::count(sent_.begin(), sent_.end(), FrameType::kCounters), 10);
+  EXPECT_EQ(std::count(sent_.begin(), sent_.end(), HF_STATE), 1000);
+  EXPECT_EQ(std::count(sent_.begin(), sent_.end(), HF_COUNTERS), 10);
 }
 
 TEST_F(FirmwareBoard, PositionsNeedTheCapability) {
   hello();
   arm();
-  const Command position = wish(0.02F, 5, CommandKind::kPosition);
-  send(FrameType::kCommand, position);
+  const Command position = wish(0.02F, 5, HB_POSITION);
+  send(HF_COMMAND, position);
   EXPECT_FALSE(reference());
   config_.capabilities |= HB_POSITION_COMMAND;
-  send(FrameType::kCommand, position);
+  send(HF_COMMAND, position);
   EXPECT_EQ(reference(), 0.02F);
 }
 

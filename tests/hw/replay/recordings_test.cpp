@@ -8,7 +8,7 @@
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/replay/replay.hpp"
-#include "hw/simulated/finger.hpp"
+#include "hw/simulated/hand.hpp"
 #include "tests/hw/virtual_loop.hpp"
 
 namespace haptic::hw {
@@ -83,17 +83,17 @@ TEST_P(Recordings, ReplayEveryRowInReach) {
 
 TEST_P(Recordings, MoveTheSimulatedFinger) {
   const std::vector<Row> rows = rows_of(file_);
-  SimulatedFingerConfig config;
+  SimulatedHandConfig config;
   config.motion_file = file_;
-  SimulatedFinger device(config, kinematics_);
+  SimulatedHand device(config, kinematics_);
   test::VirtualLoop loop(device);
   double furthest = 0.0;
   for (int ms = 0; ms < 1500 + static_cast<int>(1000 * rows.back().time); ++ms) {
     ASSERT_TRUE(loop.tick().fresh);
     ASSERT_TRUE(loop.reading().sample.q.allFinite());
-    furthest = std::max(furthest, device.physics().x().norm());
-    const FingerEnergy& e = device.physics().energy();
-    ASSERT_LE(device.physics().kinetic(), e.by_user + 1e-5) << "ms " << ms;
+    furthest = std::max(furthest, device.fingers()[0].x().norm());
+    const FingerEnergy& e = device.fingers()[0].energy();
+    ASSERT_LE(device.fingers()[0].kinetic(), e.by_user + 1e-5) << "ms " << ms;
   }
   EXPECT_GT(furthest, 0.5);
 }

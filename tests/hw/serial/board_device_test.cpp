@@ -12,7 +12,7 @@
 #include "haptic/core/error.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "hw/emulator/serve.hpp"
-#include "hw/simulated/finger.hpp"
+#include "hw/simulated/hand.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -184,7 +184,7 @@ TEST_F(OpenBoard, ASignalComesWithItsSample) {
   // One that comes between forget() and read() is read at once, and told of all the same.
   EXPECT_GE(fresh, 250);
   const auto other =
-      SimulatedFingerConfig{}.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
+      SimulatedHandConfig{}.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
   EXPECT_EQ(other->sample_signal(), nullptr) << "no clock of its own";
 }
 
@@ -209,7 +209,7 @@ TEST_F(OpenBoard, LinkCountsBalance) {
   EXPECT_EQ(frames("host", "sent"),
             n.accepted + n.bad_crc + n.malformed + n.not_newer + n.wrong_nonce);
   const auto other =
-      SimulatedFingerConfig{}.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
+      SimulatedHandConfig{}.open(core::make_finger_exoskeleton(core::finger_sign_change()), {});
   EXPECT_TRUE(other->link_counts().empty()) << "no link, no book";
 }
 

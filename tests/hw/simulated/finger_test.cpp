@@ -1,4 +1,5 @@
-#include "hw/simulated/finger.hpp"
+/// A finger alone on the simulated hand.
+#include "hw/simulated/hand.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,23 +20,22 @@ namespace {
 using namespace std::chrono_literals;
 using test::VirtualLoop;
 
-SimulatedFingerConfig aiming_at(double mcp, double pip) {
-  SimulatedFingerConfig config;
-  config.target_mcp = mcp;
-  config.target_pip = pip;
+SimulatedHandConfig aiming_at(double mcp, double pip) {
+  SimulatedHandConfig config;
+  config.target = Eigen::Vector2d(mcp, pip);
   return config;
 }
 
 /// A device that aims there, in a loop.
 struct Aiming {
-  explicit Aiming(const SimulatedFingerConfig& config) : device(config, test::one_finger()) {}
+  explicit Aiming(const SimulatedHandConfig& config) : device(config, test::one_finger()) {}
   Aiming(double mcp, double pip) : Aiming(aiming_at(mcp, pip)) {}
-  SimulatedFinger device;
+  SimulatedHand device;
   VirtualLoop loop{device};
 };
 
 TEST(SimulatedFinger, StandingTimeGivesNoSample) {
-  SimulatedFinger device(aiming_at(0.5, 0.5), test::one_finger());
+  SimulatedHand device(aiming_at(0.5, 0.5), test::one_finger());
   core::DeviceReading reading;
   device.read(core::TimePoint(1s), reading);
   device.read(core::TimePoint(1s), reading);
@@ -48,7 +48,7 @@ TEST(SimulatedFinger, StandingTimeGivesNoSample) {
 TEST(SimulatedFinger, ThePeriodDoesNotMatter) {
   // The same physics seen through another period and with jitter: the same pose at the same time.
   const auto pose = [](core::Duration period, core::Duration jitter) {
-    SimulatedFinger device(aiming_at(0.9, 0.8), test::one_finger());
+    SimulatedHand device(aiming_at(0.9, 0.8), test::one_finger());
     core::DeviceReading reading;
     const core::TimePoint start(5s);
     bool odd = false;
@@ -66,7 +66,7 @@ TEST(SimulatedFinger, ThePeriodDoesNotMatter) {
 
 TEST(SimulatedFinger, RatesAreSmoothUnderJitter) {
   // Times off the 0.1 ms grid of the physics must not show as speed.
-  SimulatedFinger device(aiming_at(0.9, 0.8), test::one_finger());
+  SimulatedHand device(aiming_at(0.9, 0.8), test::one_finger());
   core::DeviceReading reading;
   core::TimePoint now(1s), last_time{};
   double last_q = 0.0, last_rate = 0.0, roughest = 0.0, fastest = 0.0;
@@ -90,12 +90,12 @@ TEST(SimulatedFinger, ArmingTakesOneTick) {
   EXPECT_FALSE(loop.tick().armed);
   loop.push(5.0);
   EXPECT_FALSE(loop.tick().armed);
-  EXPECT_EQ(device.tau_a(), 0.0) << "a device that is arming follows no force";
+  EXPECT_EQ(device.tau_a()[0], 0.0) << "a device that is arming follows no force";
   EXPECT_TRUE(loop.tick().armed);
-  EXPECT_EQ(device.tau_a(), 5.0);
+  EXPECT_EQ(device.tau_a()[0], 5.0);
   loop.disarm();
   EXPECT_TRUE(loop.tick().armed);
-  EXPECT_EQ(device.tau_a(), 0.0);
+  EXPECT_EQ(device.tau_a()[0], 0.0);
   EXPECT_FALSE(loop.tick().armed);
 }
 
@@ -104,14 +104,14 @@ TEST(SimulatedFinger, ForceStaysWithinTheActuatorsLimit) {
   auto& [device, loop] = aiming;
   loop.push(1e6);
   loop.run(3ms);
-  EXPECT_EQ(device.tau_a(), 40.0);
+  EXPECT_EQ(device.tau_a()[0], 40.0);
   loop.push(-1e6);
   loop.tick();
-  EXPECT_EQ(device.tau_a(), -40.0);
+  EXPECT_EQ(device.tau_a()[0], -40.0);
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
     loop.push(bad);
     loop.tick();
-    EXPECT_EQ(device.tau_a(), 0.0);
+    EXPECT_EQ(device.tau_a()[0], 0.0);
   }
   loop.run(50ms);
   EXPECT_TRUE(loop.reading().sample.q.allFinite());
@@ -128,11 +128,11 @@ TEST(SimulatedFinger, AClosedDeviceIsLost) {
   EXPECT_EQ(loop.reading().health, core::DeviceHealth::kLost);
   EXPECT_FALSE(loop.reading().fresh);
   EXPECT_FALSE(loop.reading().armed);
-  EXPECT_EQ(device.tau_a(), 0.0);
+  EXPECT_EQ(device.tau_a()[0], 0.0);
 }
 
 TEST(SimulatedFinger, NoiseHasSizeWithoutMean) {
-  SimulatedFingerConfig config = aiming_at(0.0, 0.0);
+  SimulatedHandConfig config = aiming_at(0.0, 0.0);
   config.noise_l_x = 2e-5;
   config.noise_q_B = 3e-3;
   Aiming aiming(config);
@@ -141,7 +141,7 @@ TEST(SimulatedFinger, NoiseHasSizeWithoutMean) {
   Eigen::Array2d sum = Eigen::Array2d::Zero(), square = Eigen::Array2d::Zero();
   double product = 0.0;
   int within_one = 0;
-  const core::VecQ truth = device.physics().q();  // at rest on its aim: it stays
+  const core::VecQ truth = device.fingers()[0].q();  // at rest on its aim: it stays
   for (int i = 0; i < kSamples; ++i) {
     const core::VecQ q = loop.tick().sample.q;
     const Eigen::Array2d z((q[0] - truth[0]) / 2e-5, (q[1] - truth[1]) / 3e-3);
@@ -160,7 +160,7 @@ TEST(SimulatedFinger, NoiseHasSizeWithoutMean) {
 }
 
 TEST(SimulatedFinger, SamplesAreMultiplesOfTheResolution) {
-  SimulatedFingerConfig config = aiming_at(0.8, 0.8);
+  SimulatedHandConfig config = aiming_at(0.8, 0.8);
   config.resolution_l_x = 5e-5;
   config.resolution_q_B = 2e-3;
   Aiming aiming(config);
@@ -169,16 +169,16 @@ TEST(SimulatedFinger, SamplesAreMultiplesOfTheResolution) {
     const core::VecQ q = loop.tick().sample.q;
     EXPECT_NEAR(std::remainder(q[0], 5e-5), 0.0, 1e-15);
     EXPECT_NEAR(std::remainder(q[1], 2e-3), 0.0, 1e-13);
-    EXPECT_LE(std::abs(q[0] - device.physics().q()[0]), 2.6e-5);
+    EXPECT_LE(std::abs(q[0] - device.fingers()[0].q()[0]), 2.6e-5);
   }
 }
 
-TEST(Intent, ARecordingRepeatsWithoutJump) {
+TEST(HandIntent, ARecordingRepeatsWithoutJump) {
   const test::TemporaryFile file(
       "time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,0.1,0.2\n0.5,0.9,0.3\n1.0,0.6,0.9\n");
-  const Intent intent(Eigen::Vector2d::Zero(), file.path());
-  Eigen::Vector2d last = intent.at(0.0);
-  EXPECT_EQ(last, Eigen::Vector2d::Zero().eval());
+  const HandIntent intent({.fingers = {{}}}, core::VecQ::Zero(2), *test::one_finger(), file.path());
+  core::VecQ last = intent.at(0.0);
+  EXPECT_EQ(last, core::VecQ::Zero(2));
   for (double t = 0.0; t < 10.0; t += 0.001) {
     EXPECT_LT((intent.at(t) - last).norm(), 0.01) << t;
     last = intent.at(t);
@@ -192,7 +192,7 @@ TEST(Intent, ARecordingRepeatsWithoutJump) {
 }
 
 TEST(SimulatedFinger, DescribesItself) {
-  const SimulatedFinger device(aiming_at(0.0, 0.0), test::one_finger());
+  const SimulatedHand device(aiming_at(0.0, 0.0), test::one_finger());
   const DeviceInfo& info = device.info();
   EXPECT_EQ(info.kind, "simulated");
   EXPECT_TRUE(info.moves);

@@ -23,15 +23,10 @@ using testing::HasSubstr;
 SimulatedHand playing(const std::string& csv) {
   const test::TemporaryFile file(csv);
   SimulatedHandConfig config;
+  config.fingers = 5;
   config.target = core::VecQ::Constant(16, 0.1);
   config.motion_file = file.path();
   return {config, test::hand_on_a_palm()};
-}
-
-core::VecQ aim_of(const SimulatedHand& hand, double t) {
-  core::VecQ aim(16);
-  hand.intent().at(t, aim);
-  return aim;
 }
 
 std::string error_of(const std::string& csv) {
@@ -46,7 +41,7 @@ TEST(HandIntent, AbsentColumnsStayAtTheTarget) {
   const std::vector<double> expected{-0.2, 0.5, 0.3, 0.1, 0.1, 0.1, 0.1, 0.1,
                                      0.1,  0.1, 0.4, 0.8, 0.1, 0.1, 0.1, 0.1};
   for (int i = 0; i < 16; ++i) {
-    EXPECT_NEAR(aim_of(hand, 1.5)[i], expected[static_cast<std::size_t>(i)], 1e-12) << i;
+    EXPECT_NEAR(hand.intent().at(1.5)[i], expected[static_cast<std::size_t>(i)], 1e-12) << i;
   }
 }
 
@@ -54,9 +49,9 @@ TEST(HandIntent, ThePalmStartsThereFingersRise) {
   const SimulatedHand hand = playing(
       "time_s,palm.x,palm.y,palm.z,index.q_o1_mcp_rad,index.q_o2_pip_rad\n"
       "0,0.3,0.2,0.1,0.4,0.6\n1,0.3,0.2,0.1,0.4,0.6\n");
-  EXPECT_NEAR(aim_of(hand, 0.0)[0], 0.3, 1e-15);
-  EXPECT_EQ(aim_of(hand, 0.0)[8], 0.0);
-  EXPECT_EQ(aim_of(hand, 0.0)[10], 0.0) << "a finger without columns rises to its target too";
+  EXPECT_NEAR(hand.intent().at(0.0)[0], 0.3, 1e-15);
+  EXPECT_EQ(hand.intent().at(0.0)[8], 0.0);
+  EXPECT_EQ(hand.intent().at(0.0)[10], 0.0) << "a finger without columns rises to its target too";
   EXPECT_NEAR(hand.palm()->ahead(0.0).position[0], 0.3, 1e-15);
   EXPECT_EQ(hand.fingers()[1].x().norm(), 0.0);
 }
@@ -70,9 +65,9 @@ TEST(HandIntent, QuaternionsMayTurnThroughPi) {
   };
   const SimulatedHand hand = playing("time_s,palm.qx,palm.qy,palm.qz,palm.qw\n" + row(0, 170, 1) +
                                      row(1, 190, -2) + row(2, 210, 0.5));
-  EXPECT_NEAR(aim_of(hand, 1.0)[5], 190.0 * std::numbers::pi / 180.0, 1e-4);
-  EXPECT_NEAR(aim_of(hand, 2.0)[5], 210.0 * std::numbers::pi / 180.0, 1e-4);
-  EXPECT_NEAR(aim_of(hand, 1.5)[3], 0.0, 1e-12);
+  EXPECT_NEAR(hand.intent().at(1.0)[5], 190.0 * std::numbers::pi / 180.0, 1e-4);
+  EXPECT_NEAR(hand.intent().at(2.0)[5], 210.0 * std::numbers::pi / 180.0, 1e-4);
+  EXPECT_NEAR(hand.intent().at(1.5)[3], 0.0, 1e-12);
 }
 
 TEST(HandIntent, NamesWhatAFileLacks) {
@@ -106,11 +101,12 @@ TEST(HandIntent, AHandNeedsAHandsKinematics) {
         [&] { return config.open(std::move(kinematics), {}); });
   };
   SimulatedHandConfig config;
+  config.fingers = 5;
   config.target = core::VecQ::Zero(16);
   EXPECT_EQ(refuses(config, test::hand_on_a_palm()), "no error");
-  EXPECT_THAT(refuses(config, test::one_finger()),
-              HasSubstr("2 DoF(s), 0 named finger(s); must be hand_exoskeleton or tracked_hand"));
-  EXPECT_THAT(refuses(config, core::make_stylus({})), HasSubstr("must be hand_exoskeleton"));
+  EXPECT_THAT(refuses(config, test::one_finger()), HasSubstr("number of fingers = 5"));
+  EXPECT_THAT(refuses(config, core::make_stylus({})),
+              HasSubstr("6 DoF(s), 0 finger(s); must be finger_exoskeleton, hand_exoskeleton or"));
   config.fingers = 4;
   EXPECT_THAT(refuses(config, test::hand_on_a_palm()), HasSubstr("number of fingers = 4"));
   config.fingers = 5;

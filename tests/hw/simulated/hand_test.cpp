@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "haptic/core/model/hand_exoskeleton.hpp"
-#include "hw/simulated/finger.hpp"
 #include "tests/core/model/sample_hands.hpp"
 #include "tests/hw/simulated/one_finger.hpp"
 #include "tests/hw/virtual_loop.hpp"
@@ -26,6 +25,7 @@ std::shared_ptr<const core::Kinematics> five() {
 /// All joints at `angle` rad; a palm at 0.1, 0.05, 0.2 m, turned by 0.3, -0.2, 0.1 rad.
 SimulatedHandConfig hand_aiming_at(double angle, bool on_a_palm = false) {
   SimulatedHandConfig config;
+  config.fingers = 5;
   config.target = core::VecQ::Constant(on_a_palm ? 16 : 10, angle);
   if (on_a_palm) config.target.head<6>() << 0.1, 0.05, 0.2, 0.3, -0.2, 0.1;
   return config;
@@ -73,8 +73,8 @@ TEST(SimulatedHand, EachFingerMovesAsOneAlone) {
       FingerPhysics alone(config.finger,
                           core::make_finger_exoskeleton(core::five_fingers()[size].dimensions),
                           Eigen::Vector2d::Zero());
-      const Intent intent(Eigen::Vector2d::Zero(), Eigen::Vector2d(0.5, 0.5));
-      constexpr double kStep = SimulatedHand::kStepSeconds;
+      const HandIntent intent(core::VecQ::Zero(2), core::VecQ::Constant(2, 0.5));
+      constexpr double kStep = core::seconds(SimulatedHand::kStep);
       for (int n = 1; n <= 899 * 5; ++n) {  // the force acts from the second tick on
         alone.step(kStep, intent.at(n * kStep), n <= 5 ? 0.0 : forces()[i]);
       }
@@ -88,9 +88,9 @@ TEST(SimulatedHand, StepsAreSmallEnough) {
   // Against a simulated finger in steps of half the size, where the force changes all the time.
   SimulatedHandConfig config = hand_aiming_at(0.8);
   Worn hand(config, five());
-  SimulatedFingerConfig alone;
-  alone.target_mcp = alone.target_pip = 0.8;
-  SimulatedFinger finger(alone, core::make_finger_exoskeleton(core::five_fingers()[1].dimensions));
+  SimulatedHandConfig alone;
+  alone.target = core::VecQ::Constant(2, 0.8);
+  SimulatedHand finger(alone, core::make_finger_exoskeleton(core::five_fingers()[1].dimensions));
   VirtualLoop loop(finger);
   double furthest = 0.0;
   for (int i = 0; i < 2000; ++i) {

@@ -32,7 +32,7 @@ std::unique_ptr<hw::Device> emulated(const hw::BoardConfig& board,
   } else if (scene.force_control == server::ForceControlPlace::kAdmittance) {
     config.control = BoardControl::kPosition;
   }
-  const hw::Intent hand(Eigen::Vector2d(0.2, 0.2), Eigen::Vector2d(0.524, 0.524));
+  const hw::HandIntent hand(Eigen::Vector2d(0.2, 0.2), Eigen::Vector2d(0.524, 0.524));
   return std::make_unique<hw::emulator::VirtualBoard>(config, hand, board,
                                                       scene.pipeline.kinematics);
 }

@@ -1,5 +1,5 @@
 #include "tests/server/support/app.hpp"
-#include "hw/simulated/finger.hpp"
+#include "hw/simulated/hand.hpp"
 
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
@@ -71,9 +71,9 @@ TEST(App, StopsInTimeWithAWatcher) {
 
 TEST(App, UnopenableDeviceLeavesNothingRunning) {
   Scene scene = soft_grasp();
-  haptic::hw::SimulatedFingerConfig hand;
+  haptic::hw::SimulatedHandConfig hand;
   hand.motion_file = "no/such/motion.csv";
-  scene.devices[0].source = std::make_shared<const haptic::hw::SimulatedFingerConfig>(hand);
+  scene.devices[0].source = std::make_shared<const haptic::hw::SimulatedHandConfig>(hand);
   App app(std::move(scene), kPlain);
   EXPECT_THROW(app.start(), haptic::core::DeviceError);
   EXPECT_TRUE(app.addresses().empty());

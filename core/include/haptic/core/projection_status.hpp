@@ -2,7 +2,6 @@
 /// How a least-squares problem or a projection ended.
 
 #include <cstdint>
-#include <string_view>
 
 namespace haptic::core {
 
@@ -17,7 +16,5 @@ enum class ProjectionStatus : std::uint8_t {
   kMapFailed = 7,       ///< f has no value at q: the last q* is kept
                         ///< (core/METHOD.md#map-without-a-value)
 };
-
-[[nodiscard]] std::string_view name(ProjectionStatus status) noexcept;  ///< "EXACT", ...
 
 }  // namespace haptic::core

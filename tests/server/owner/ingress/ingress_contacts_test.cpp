@@ -7,8 +7,8 @@
 #include <limits>
 #include <span>
 
-#include "haptic/core/identical.hpp"
 #include "tests/server/owner/ingress/ingress_fixture.hpp"
+#include "tests/support/identical.hpp"
 
 namespace haptic::server {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "haptic/core/identical.hpp"
 #include "tests/server/support/device_rig.hpp"
+#include "tests/support/identical.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 #include "server/owner/scene/scene.hpp"
-#include "hw/simulated/finger.hpp"
+#include "hw/simulated/hand.hpp"
 #include "hw/simulated/linear.hpp"
 
 #include "tests/server/owner/scene/scene_text.hpp"
@@ -110,12 +110,11 @@ TEST(Scene, RecordingsAreRelativeToTheScene) {
   const server::Scene scene = parse(replaced(kFinger, "simulated_finger {}",
                                              "simulated_finger { motion_file: \"motion/../motion/"
                                              "reach_and_grasp.csv\" }"));
-  const auto& hand = dynamic_cast<const hw::SimulatedFingerConfig&>(*scene.devices[0].source);
+  const auto& hand = dynamic_cast<const hw::SimulatedHandConfig&>(*scene.devices[0].source);
   EXPECT_EQ(hand.motion_file, kScenes / "motion/reach_and_grasp.csv");
   const server::Scene elsewhere = server::parse_scene(scene.resolved, "r", "/");
-  EXPECT_EQ(
-      dynamic_cast<const hw::SimulatedFingerConfig&>(*elsewhere.devices[0].source).motion_file,
-      hand.motion_file);
+  EXPECT_EQ(dynamic_cast<const hw::SimulatedHandConfig&>(*elsewhere.devices[0].source).motion_file,
+            hand.motion_file);
 }
 
 TEST(Scene, TheResolvedTextHoldsEveryDefault) {

@@ -78,10 +78,6 @@ struct PlaneSet {
   // (unit of b)^2 of ||.||_W, `velocity` is v. `uncertainty` is of size 0 too if one of the
   // contacts does not say it; 0: gamma is exact.
 #include "haptic/core/contacts/plane_lists.inc"
-  [[nodiscard]] auto members() const noexcept {
-    return std::tuple_cat(
-        std::tie(normals, offsets, laws, ids, objects, radius, curvature, first, curved), lists());
-  }
 };
 
 /// The newest accepted proxy sample.
@@ -107,11 +103,6 @@ struct ProxySnapshot {
   /// The stream's health, kept by the ingress for Engage (proto/README.md#a-session).
   TimePoint gapless_since{};         ///< first sample after the last gap longer than hold_end
   std::uint64_t gapless_samples{0};  ///< accepted since then
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(mode, tenure, seq, born, computed, valid_for, x, planes, anchored_at, seen_at,
-                    gapless_since, gapless_samples);
-  }
 };
 
 }  // namespace haptic::core

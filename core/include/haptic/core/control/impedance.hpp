@@ -26,17 +26,4 @@ class Rate {
   bool has_last_{false};
 };
 
-/// The weight g_d of the damping: ramps to 1 in 200 ms, to 0 in 80 ms, so that it never steps.
-class DampingGain {
- public:
-  static constexpr Duration kRise{std::chrono::milliseconds(200)};
-  static constexpr Duration kFall{std::chrono::milliseconds(80)};
-  double step(bool wanted, Duration dt) noexcept;
-  void zero() noexcept { value_ = 0.0; }
-  [[nodiscard]] double value() const noexcept { return value_; }
-
- private:
-  double value_{0.0};
-};
-
 }  // namespace haptic::core

@@ -58,7 +58,6 @@ class FingerExoskeleton final : public Kinematics {
 
   [[nodiscard]] MapStatus evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) const noexcept override;
   [[nodiscard]] MapStatus position(const VecQ& q, VecX& x_probe) const noexcept override;
-  [[nodiscard]] MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept override;
   [[nodiscard]] InverseStatus inverse(const VecX& x, VecQ& q) const noexcept override;
   [[nodiscard]] std::span<const Mechanism> mechanisms() const noexcept override;
   [[nodiscard]] MapStatus constraints(const VecQ& q, Constraints& out) const noexcept override;

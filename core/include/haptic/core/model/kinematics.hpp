@@ -1,7 +1,7 @@
 #pragma once
-/// The map f : Q -> X of a device (paper, section III), its Jacobian and its second-order term, and
-/// the inverse if there is a closed form. Immutable after construction; one object may be shared
-/// by threads. No method but drawing() allocates or throws after construction.
+/// The map f : Q -> X of a device (paper, section III), its Jacobian, and the inverse if there is a
+/// closed form. Immutable after construction; one object may be shared by threads. No method but
+/// drawing() allocates or throws after construction.
 
 #include <array>
 #include <cstdint>
@@ -95,8 +95,6 @@ class Kinematics {
   /// f(q) alone, the same bits as evaluate() writes; untouched on kCannotClose. A map for which
   /// this is cheaper than evaluate() overrides it.
   [[nodiscard]] virtual MapStatus position(const VecQ& q, VecX& x_probe) const noexcept;
-  /// J_k = dJ/dq_k (n_x by n_q), the term Eq. (2), (5), (9) leave out.
-  [[nodiscard]] virtual MapStatus second_order(const VecQ& q, int k, MatXQ& J_k) const noexcept = 0;
   /// q = argmin ||x - f(q)|| over the box and the device's own constraints, stateless: Eq. (6).
   [[nodiscard]] virtual InverseStatus inverse(const VecX& /*x*/, VecQ& /*q*/) const noexcept {
     return InverseStatus::kNotOffered;
@@ -142,7 +140,9 @@ class Kinematics {
 /// in every run, so that a scene loads equally everywhere. For set-up only.
 [[nodiscard]] VecQ workspace_sample(const Kinematics& kinematics, int i);
 
-/// Mean of ||J_a|| (Frobenius) over 256 such points; 0 if f has no value at any of them.
+/// ||J_a|| (Frobenius): of the columns of actuated DoFs.
+[[nodiscard]] double actuated_norm(const MatXQ& J, const DofLayout& layout) noexcept;
+/// Mean of that over 256 such points; 0 if f has no value at any of them.
 /// For set-up only.
 [[nodiscard]] double mean_actuated_jacobian(const Kinematics& kinematics);
 

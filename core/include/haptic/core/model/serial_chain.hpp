@@ -1,8 +1,8 @@
 #pragma once
 /// Chains of revolute and prismatic joints, fixed to the world or carried by a tracked palm, with
 /// points or frames on their links as virtual coordinates, all in the world. A joint may name its
-/// parent, so that several chains can share a base. f, J and dJ/dq are exact (geometric Jacobian
-/// and its product rule); any dim X against dim Q.
+/// parent, so that several chains can share a base. f and J are exact (geometric Jacobian); any dim
+/// X against dim Q.
 
 #include <memory>
 #include <optional>

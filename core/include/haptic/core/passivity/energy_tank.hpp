@@ -13,8 +13,6 @@
 /// what it stores; debt is what the whole spring could not pay. If the tank only refused further
 /// changes and kept the spring, a stiff spring would give out 100 times as much energy (measured).
 
-#include <tuple>
-
 #include "haptic/core/passivity/spring_storage.hpp"
 #include "haptic/core/types.hpp"
 
@@ -36,10 +34,6 @@ struct HoldAccount {
   double limits{0.0};    ///< taken from the user by slew and other limits; of either sign
   double rendered{0.0};  ///< taken by rendered damping and the controller; of either sign
   double device_damping{0.0};  ///< least that the device's own damping took, b_dev |dq|^2 / T
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(leak, limits, rendered, device_damping);
-  }
 };
 
 /// How the device moved, and what moved it: what the next hold can give at most follows from it.

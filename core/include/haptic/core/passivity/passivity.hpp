@@ -6,8 +6,6 @@
 ///   admit     the spring and its anchor of this tick, held back by the tank
 ///   hold      the force that goes to the device
 
-#include <tuple>
-
 #include "haptic/core/passivity/energy_tank.hpp"
 #include "haptic/core/passivity/passivity_observer.hpp"
 #include "haptic/core/passivity/spring_storage.hpp"
@@ -43,10 +41,6 @@ struct PassivityRecord {
   HoldAccount hold{};     ///< what the last hold did
   double observed{0.0};   ///< E_obs, J; 0 if there is no observer
   double alpha{0.0};      ///< of the controller, s
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(on, storage, injected, scale, throttled, tank, hold, observed, alpha);
-  }
 };
 
 class Passivity {

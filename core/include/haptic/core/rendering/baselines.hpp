@@ -5,6 +5,7 @@
 #include "haptic/core/linear/least_squares.hpp"
 #include "haptic/core/rendering/projection.hpp"
 #include "haptic/core/rendering/projection_model.hpp"
+#include "haptic/core/rendering/renderer_kind.hpp"
 
 namespace haptic::core {
 
@@ -17,31 +18,18 @@ namespace haptic::core {
 void anchor_for(const VecA& tau_a, const VecA& stiffness, const DofLayout& layout, const VecQ& q,
                 VecQ& q_star) noexcept;
 
-/// Eq. (1): tau_a = J_a^T Z_x dx, the standard method, which ignores underactuation.
-class Standard {
+/// Eq. (1): tau_a = J_a^T Z_x dx, the standard method, which ignores underactuation. Or Eq. (3) and
+/// (4): tau_a = J_a^T (I - J_n J_n^+) Z_x dx, the force optimised under underactuation, with Eq.
+/// (3) in the metric W^{-1} on forces (core/METHOD.md#solver-choice).
+class Baseline {
  public:
-  explicit Standard(const ProjectionModel& model);
+  Baseline(RendererKind kind, const ProjectionModel& model);
   /// See Renderer::project.
   void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
                bool proxy_changed, Projection& out) noexcept;
 
  private:
-  ProjectionModel model_;
-  VecA tau_a_{};
-  VecX dx_W_{};  ///< W^{1/2} dx
-  MatXQ J_W_{};  ///< W^{1/2} J
-};
-
-/// Eq. (3)-(4): tau_a = J_a^T (I - J_n J_n^+) Z_x dx, the force optimised under underactuation,
-/// with Eq. (3) in the metric W^{-1} on forces (core/METHOD.md#solver-choice).
-class NullSpace {
- public:
-  explicit NullSpace(const ProjectionModel& model);
-  /// See Renderer::project.
-  void project(const Probe& probe, const VecX& x, const VecX& dx, const VecA& stiffness,
-               bool proxy_changed, Projection& out) noexcept;
-
- private:
+  bool null_space_;
   ProjectionModel model_;
   LeastSquares solver_;
   VecA tau_a_{};

@@ -18,7 +18,7 @@ class Renderer {
   /// without metric and prior.
   Renderer(RendererKind kind, const ProjectionModel& model);
 
-  [[nodiscard]] RendererKind kind() const noexcept;
+  [[nodiscard]] RendererKind kind() const noexcept { return kind_; }
   /// Writes the subspace proxy for proxy `x` with dx = x (-) x_probe. Never allocates, locks,
   /// throws. `stiffness` is the actuated stiffness Z_q (n_a, diagonal); the baselines Eq. (1), (4)
   /// answer with the equivalent anchor S q* = q_a + Z_q^{-1} tau_a, so that tau_a = Z_q S(q* - q)
@@ -34,7 +34,8 @@ class Renderer {
   void reset() noexcept;
 
  private:
-  std::variant<Standard, NullSpace, SubspaceLinear, SubspaceExact, PerContact> renderer_;
+  RendererKind kind_;
+  std::variant<Baseline, SubspaceLinear, SubspaceExact, PerContact> renderer_;
 };
 
 }  // namespace haptic::core

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <tuple>
 
 #include "haptic/core/contacts/proxy_snapshot.hpp"
 #include "haptic/core/fault.hpp"
@@ -20,8 +19,6 @@ struct DeviceSample {
   TimePoint time{};     ///< when it was measured, on the server's steady clock
   VecQ q{};             ///< n_q; m or rad
   VecA tau_measured{};  ///< n_a, N or N m; size 0 if the device measures no force
-
-  [[nodiscard]] auto members() const noexcept { return std::tie(seq, time, q, tau_measured); }
 };
 
 enum class DeviceHealth : std::uint8_t {
@@ -37,8 +34,6 @@ struct DeviceReading {
   bool armed{false};  ///< the device would follow a force now
   DeviceHealth health{DeviceHealth::kOk};
   DeviceSample sample{};
-
-  [[nodiscard]] auto members() const noexcept { return std::tie(fresh, armed, health, sample); }
 };
 
 /// A tracked palm stands in q as position and rotation vector.
@@ -51,10 +46,6 @@ struct TrackerSnapshot {
   Duration valid_for{0};        ///< the tracker's own bound on its freshness; 0 = none given
   StalenessLimits staleness{};  ///< of its session; held within the scene's
   std::array<double, kPalmDofs> pose{};  ///< x, y, z [m], rotation vector [rad], in the world
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(seq, born, valid_for, staleness, pose);
-  }
 };
 
 /// Requests of people and programs to the device. Requests are counters: a tick acts on a counter
@@ -70,11 +61,6 @@ struct CommandSnapshot {
   /// The newest stop that the clearing client has seen; a later one is not cleared.
   std::uint64_t clear_stop_id{0};
   bool closing{false};  ///< SIGTERM
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(tenure, lease_held, engage_id, release_id, stop_id, clear_id, clear,
-                    clear_stop_id, closing);
-  }
 };
 
 /// Settings that a running session may change, always within the scene (tighten-only).
@@ -88,19 +74,12 @@ struct RenderSettings {
   VecA slew_limit{};     ///< n_a; N/s or N m/s
   VecA engage_window{};  ///< n_a; largest |Z_q (q*_a - q_a)| at which force may be switched on
   StalenessLimits staleness{};
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(id, renderer, direction_guard, stiffness, damping, force_limit, slew_limit,
-                    engage_window, staleness);
-  }
 };
 
 /// The loop's report of itself.
 struct LoopReport {
   Duration lateness{0};      ///< now minus the deadline of this tick
   std::uint32_t skipped{0};  ///< deadlines passed over since the last tick
-
-  [[nodiscard]] auto members() const noexcept { return std::tie(lateness, skipped); }
 };
 
 struct TickInput {
@@ -112,10 +91,6 @@ struct TickInput {
   TrackerSnapshot tracker{};  ///< only if the scene has a tracker
   CommandSnapshot command{};
   RenderSettings settings{};
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(now, period, loop, device, proxy, tracker, command, settings);
-  }
 };
 
 }  // namespace haptic::core

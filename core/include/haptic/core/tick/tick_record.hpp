@@ -1,13 +1,11 @@
 #pragma once
-/// Record of one tick: its whole input and its whole answer. A run is replayed from these,
-/// and the two records of a tick must be identical(): members() of a struct lists what is compared.
+/// Record of one tick: its whole input and its whole answer. A run is replayed from these, and the
+/// two records of a tick must be the same to the bit.
 
 #include <array>
 #include <cstdint>
-#include <tuple>
 
 #include "haptic/core/contacts/plane_projection.hpp"
-#include "haptic/core/identical.hpp"
 #include "haptic/core/model/dof_layout.hpp"
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/passivity/passivity.hpp"
@@ -38,8 +36,6 @@ struct EngageAnswer {
   int index{0};
   double value{0.0};
   double limit{0.0};
-
-  [[nodiscard]] auto members() const noexcept { return std::tie(id, verdict, index, value, limit); }
 };
 
 /// Answer to the clear request `clear_id`: which faults persist because their cause does, or
@@ -47,8 +43,6 @@ struct EngageAnswer {
 struct ClearAnswer {
   std::uint64_t id{0};
   FaultSet refused{};
-
-  [[nodiscard]] auto members() const noexcept { return std::tie(id, refused); }
 };
 
 /// The tracked palm's pose in use, if a client says it.
@@ -60,10 +54,6 @@ struct TrackerRecord {
   Duration age{0};       ///< now - born; 0 if there is none
   double ladder{0.0};    ///< upper bound of the gain, by this age
   Duration hold_end{0};  ///< in effect
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(on, first_dof, seq, level, age, ladder, hold_end);
-  }
 };
 
 /// The tick itself.
@@ -71,8 +61,6 @@ struct Beat {
   std::uint64_t tick{0};
   Duration dt{0};     ///< since the previous tick; the period on the first
   FaultSet faults{};  ///< of the loop, whose cause is present in this tick
-
-  [[nodiscard]] auto members() const noexcept { return std::tie(tick, dt, faults); }
 };
 
 /// The device as this tick knows it.
@@ -87,10 +75,6 @@ struct Sensed {
   bool silent{false};  ///< it is older than the device's max_silence
   Duration age{0};     ///< since the tick in which it came; 0 before the first
   FaultSet faults{};   ///< of the device, whose cause is present in this tick
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(q, q_a_dot, tau_measured, tracker, ready, fresh, recent, silent, age, faults);
-  }
 };
 
 /// The sample of the proxy in use, which may not be the newest.
@@ -103,10 +87,6 @@ struct ProxyInUse {
   double ladder{0.0};         ///< upper bound of the gain, by this age and the tracker's
   TimePoint gapless_since{};  ///< as in ProxySnapshot
   std::uint64_t gapless_samples{0};
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(mode, tenure, seq, age, level, ladder, gapless_since, gapless_samples);
-  }
 };
 
 /// Which delay keeps the stiffness below the settings'.
@@ -123,10 +103,6 @@ struct DeratingRecord {
   Duration delay{0};  ///< measured, mean: age of the samples; of what the proxy was computed from
   VecA stiffness{};   ///< K, n_a; size 0: the settings'
   VecA allowed{};     ///< what it goes towards, n_a
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(reason, delay, stiffness, allowed);
-  }
 };
 
 /// The proxy at `now`, and the subspace proxy q* that the renderer wants the spring anchored at.
@@ -158,12 +134,6 @@ struct Anchor {
     if (!anchored) return VecA::Zero(layout.n_a());
     return layout.select(q_star) - layout.select(q);
   }
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(x_probe, x, free, mapped, in_the_way, planes, active_planes, stored, coupling,
-                    unexplained, anchored, q_star, projection, residual, condition, force_error,
-                    limiters);
-  }
 };
 
 /// The device's state, the answers to what people and programs asked for, and the gains.
@@ -180,11 +150,6 @@ struct Lifecycle {
   double gain{0.0};             ///< g
   double damping_gain{0.0};     ///< g_d
   LimiterSet limiters{};        ///< NEVER_FREE
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(state, lost, faults, arm, engaged, engage, release_id, stop_id, clear, gain,
-                    damping_gain, limiters);
-  }
 };
 
 /// The force that goes to the device, and the anchor behind it.
@@ -204,11 +169,6 @@ struct Effort {
   VecA error_bound{};
   PassivityRecord passivity{};  ///< tank and observer; zeros if neither is on
   FaultSet faults{};            ///< OUTPUT_NOT_FINITE; latched from the next tick on
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(q_star, tau_elastic, tau_damping, tau_a, limiters, actuator_limiters,
-                    temperature_c, drive, position, error_bound, passivity, faults);
-  }
 };
 
 /// The sum of what the stages of a tick make, in the order in which they make it.
@@ -230,10 +190,6 @@ struct TickRecord {
     LimiterSet all = anchor.limiters | life.limiters | effort.limiters;
     if (derating.reason != DeratingReason::kNone) all.set(Limiter::kDerated);
     return all;
-  }
-
-  [[nodiscard]] auto members() const noexcept {
-    return std::tie(input, beat, settings_id, sensed, proxy, derating, anchor, life, effort);
   }
 };
 

@@ -1,9 +1,8 @@
-#include "hw/simulated/intent.hpp"
+#include "hw/simulated/course.hpp"
 
 #include <cmath>
 
 #include "hw/motion/minimum_jerk.hpp"
-#include "hw/motion/motion_csv.hpp"
 
 namespace haptic::hw {
 
@@ -24,18 +23,6 @@ double Course::at(const Moment& moment) const noexcept {
     if (moment.way_back > 0.0) aim += moment.way_back * ((*motion_)(0.0) - aim);
   }
   return rest_ + moment.risen * (aim - rest_);
-}
-
-Intent::Intent(const Eigen::Vector2d& rest, const Eigen::Vector2d& target)
-    : Intent(Course(rest[0], target[0]), Course(rest[1], target[1])) {}
-
-Intent::Intent(const Eigen::Vector2d& rest, const std::filesystem::path& motion_file)
-    : Intent(recorded(rest, motion_file)) {}
-
-Intent Intent::recorded(const Eigen::Vector2d& rest, const std::filesystem::path& motion_file) {
-  MotionTable table = read_motion_csv(motion_file, {joint_angle_columns()});
-  return {Course(rest[0], Pchip(table.time_s, std::move(table.values[0]))),
-          Course(rest[1], Pchip(table.time_s, std::move(table.values[1])))};
 }
 
 }  // namespace haptic::hw

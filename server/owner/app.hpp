@@ -58,7 +58,7 @@ class App {
  public:
   using MakeFront = std::function<std::unique_ptr<FrontRunner>(App& app)>;
 
-  /// `make_front`: called by start() when the owner stands.
+  /// `make_front`: called by start() when the owner's parts exist.
   App(Scene scene, AppOptions options, MakeFront make_front);
   /// stop().
   ~App();

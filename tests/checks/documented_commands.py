@@ -115,6 +115,7 @@ SCRIPTS = {
     "tests/run.sh": ELSEWHERE["tests/run.sh"],
     "tests/lint.sh": ("tests/checks/CMakeLists.txt", "../lint.sh tidy"),
     "tests/checks/include_direction.sh": ("tests/checks/CMakeLists.txt", "include_direction.sh"),
+    "tests/checks/front_links.sh": ("tests/checks/CMakeLists.txt", "/front_links.sh $<TARGET_FILE"),
     "tests/checks/owner_links.sh": ("tests/checks/CMakeLists.txt", "/owner_links.sh $<TARGET_FILE"),
     "tests/checks/firmware.sh": ("tests/checks/CMakeLists.txt", "firmware.sh arm-none-eabi-gcc"),
     "tests/relay/matrix.sh": ELSEWHERE["tests/relay/matrix.sh"],

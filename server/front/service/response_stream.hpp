@@ -1,6 +1,6 @@
 #pragma once
 /// Common part of every stream of responses, whatever carries it: one write at a time, and an end
-/// that happens once, whatever its cause. A carrier (rpc/, web/) derives from it.
+/// that happens once, whatever its cause. A carrier (grpc/, web/) derives from it.
 
 #include <memory>
 #include <mutex>
@@ -53,7 +53,7 @@ class ResponseStream : public Subscriber,
   ServiceContext& context_;
   std::mutex mutex_;
   bool ended_{false};
-  bool given_up_{false};  ///< what it held: from here on the client may hear of the end
+  bool given_up_{false};  ///< close() has run: the client may now be told of the end
   bool writing_{false};
 
  private:

@@ -6,7 +6,7 @@
 /// Backlog. After a stall a reliable transport delivers at once what it had kept back, and the
 /// first samples of such a burst look like a stream that came back to life. A sample is backlog if
 /// its burst exceeds twice the nominal rate by more than the tolerance. It becomes the newest (the
-/// server must not render where the proxy was even longer ago), but it is not young: `born` goes
+/// server must not render an even older proxy), but it is not young: `born` goes
 /// back to what it was before the burst, so that the age runs on as if the burst had not come. The
 /// first sample that comes half a nominal period or more after the one before it is normal again:
 /// the pipe had run dry. If that pause was a whole period, the sample before it had been the newest

@@ -284,7 +284,8 @@ class OverTls(unittest.TestCase):
 
     def test_the_readmes_client_works(self) -> None:
         code = readme_code(2)
-        for told, here in (("robot:29470", self.server.address), ("issuer.pem", self.certificate)):
+        for told, here in (("robot:29470", self.server.address), ("issuer.pem", self.certificate),
+                           ("while True", "for _ in range(180)")):
             self.assertIn(told, code)
             code = code.replace(told, here)
         run = subprocess.run([sys.executable, "-c", code + "print(state.state)"],

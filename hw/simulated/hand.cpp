@@ -65,10 +65,14 @@ DeviceInfo describe(const SimulatedHandConfig& c, const HandIntent& intent,
   info.kind = "simulated";
   info.model = "exoskeleton worn on ";
   info.model += c.fingers == 1 ? "a simulated finger" : "a simulated hand";
-  info.model += c.motion_file.empty() ? ", constant target"
-                                      : ", " + std::to_string(intent.recorded_fingers()) + " of " +
-                                            std::to_string(c.fingers) + " fingers follow " +
-                                            c.motion_file.filename().string();
+  if (c.motion_file.empty()) {
+    info.model += ", constant target";
+  } else {
+    info.model += c.fingers == 1 ? " that follows "
+                                 : ", " + std::to_string(intent.recorded_fingers()) + " of " +
+                                       std::to_string(c.fingers) + " fingers follow ";
+    info.model += c.motion_file.filename().string();
+  }
   info.dofs = kinematics.dofs();
   info.limits = device_limits(kinematics, c.effort());
   return info;

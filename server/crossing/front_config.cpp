@@ -93,7 +93,7 @@ class Walk {
     left_.remove_prefix(sizeof value);
     return up_to(most, value);
   }
-  /// Number of bytes or entries that follow, each of which has a byte or more.
+  /// How many bytes or entries follow. An entry has at least one byte.
   std::uint64_t size(std::uint64_t value) {
     value = number(value);
     return written_ != nullptr ? value : up_to(left_.size(), value);

@@ -30,8 +30,7 @@ struct LoopFacts {
   Percentiles tick_time{};  ///< from the wake-up to the end of the tick, all units, and the ring
   // The App's.
   std::uint64_t records_dropped{0};
-  Text<64>
-      paced_by{};  ///< the device whose samples begin ticks; empty: the timer begins every tick
+  Text<64> paced_by{};  ///< the device whose samples begin ticks; empty: the timer does
 };
 
 struct ServerFacts {

@@ -84,8 +84,8 @@ TEST(ContactProjection, NoLawIsAPlane) {
   }
 }
 
-/// The conditions of the minimum, which are sufficient: W (p - x) = sum n_i l_i with l_i >= 0, of
-/// what holds x alone. A soft contact's l_i is that of its spring.
+/// The conditions of the minimum, which are sufficient: W (p - x) = sum n_i l_i with l_i >= 0. Only
+/// contacts that hold x have an l_i. Of a soft contact it is its spring's force.
 void expect_minimum(const PlaneSet& set, const VecX& probe, const Eigen::MatrixXd& W,
                     const VecX& x) {
   const double size = 1.0 + (probe - x).norm();

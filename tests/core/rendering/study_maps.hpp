@@ -33,8 +33,8 @@ class WideMap final : public Kinematics {
 };
 
 /// The hand of tests/report/STUDY.md#larger-devices: a tracked wrist and fingers of four joints
-/// (abduction, three flexions), known by three points per finger. Sensed wrist, actuated flexions
-/// of the first joint.
+/// (abduction, three flexions), known by three points per finger. The wrist is sensed, and the
+/// first flexion of each finger is actuated.
 inline std::unique_ptr<Kinematics> hand_of_points(int fingers) {
   SerialChainParameters hand;
   hand.palm = TrackedPalm{.position_lower = -0.1, .position_upper = 0.1};

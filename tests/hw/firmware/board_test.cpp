@@ -207,7 +207,7 @@ TEST_F(FirmwareBoard, ANewSessionDisarms) {
   hello(1);
   arm();
   command(3.0F);
-  send_as(1, HF_HELLO, Hello{1, 2});  // its numbers start anew
+  send_as(1, HF_HELLO, Hello{1, 2});  // its numbers begin at 1 again
   EXPECT_FALSE(reference());
   EXPECT_EQ(sample()->state, HB_DISARMED);
   seq_ = 1;

@@ -1,5 +1,5 @@
 #pragma once
-/// The port of an address, and a UDP socket as the owner binds it for a front.
+/// The port of an address as a number, and a UDP socket as the owner binds it for a front.
 
 #include <cstdint>
 #include <string>
@@ -10,7 +10,7 @@
 namespace haptic::test {
 
 inline std::uint16_t port_of(const std::string& address) {
-  return static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
+  return static_cast<std::uint16_t>(std::stoi(server::port_of(address)));
 }
 
 /// Throws core::TransportError naming `address`.

@@ -39,8 +39,8 @@ struct ComparedHand {
   core::TickRecord record{};
 };
 
-/// The rig's map is the identity, so nothing couples the DoFs: all four methods are the same spring
-/// of 100 N/m, whose force is at most 10 N times the gain. The probe is at 0.
+/// The rig's map is the identity, so nothing couples the DoFs: all four methods render the same
+/// spring. It has 100 N/m and gives at most 10 N times the gain. The probe is at 0.
 TEST(RendererComparison, AllAgreeOnTheIdentityMap) {
   const core::PipelineConfig rig = test::rig_config();
   RendererComparison comparison(rig.kinematics);

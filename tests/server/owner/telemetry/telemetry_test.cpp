@@ -45,7 +45,7 @@ TEST(Telemetry, ListenersAreCalledInTheirOrder) {
   rig.telemetry->add(0, &a);
   tick(rig, 2);
   rig.telemetry->drain();
-  rig.telemetry->drain();  // nothing new: nobody is called
+  rig.telemetry->drain();  // nothing is new: no listener is called
   rig.telemetry->remove(0, &b);
   tick(rig, 1);
   rig.telemetry->drain();
@@ -68,7 +68,7 @@ TEST(Telemetry, WatchersKeepProcessorsAwake) {
 }
 
 // A loop that ticks as fast as it can, the drain awake by its bell alone, four threads that come
-// and go: nobody is called after remove() returned. What matters most is that tsan finds nothing.
+// and go: none is called after remove() returned. What matters most is that tsan finds nothing.
 TEST(Telemetry, RemovedListenerIsNeverCalled) {
   struct Visitor final : RecordListener {
     std::atomic<bool> present{false};

@@ -14,8 +14,8 @@ namespace haptic::core {
 
 class Renderer {
  public:
-  /// The model is copied; its kinematics must outlive the renderer. Of a map alone, the
-  /// model has neither metric nor prior.
+  /// The model is copied; its kinematics must outlive the renderer. If only a map
+  /// is given, the model has neither metric nor prior.
   Renderer(RendererKind kind, const ProjectionModel& model);
 
   [[nodiscard]] RendererKind kind() const noexcept { return kind_; }

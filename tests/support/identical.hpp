@@ -17,8 +17,8 @@ namespace haptic::core {
 
 /// PlaneSet has a constructor.
 [[nodiscard]] inline auto fields_of(const PlaneSet& p) noexcept {
-  return std::tuple_cat(std::tie(p.normals, p.offsets, p.laws, p.ids, p.objects, p.radius,
-                                 p.curvature, p.first, p.curved),
+  return std::tuple_cat(std::tie(p.normals, p.offsets, p.laws, p.ids, p.objects, p.curvature,
+                                 p.first, p.curved),
                         p.lists());
 }
 

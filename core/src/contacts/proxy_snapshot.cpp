@@ -21,8 +21,8 @@ bool PlaneSet::fits(int n_x) const noexcept {
   if (count == 0) return true;
   if (normals.rows() != n_x || normals.cols() != count || !finite(normals) || !finite(offsets) ||
       !std::apply([&](const auto&... list) { return (none_or_all(list) && ...); }, lists()) ||
-      !none_or_all(ids) || !none_or_all(radius) || (laws.cols() != 0 && laws.cols() != count) ||
-      !finite(laws) || (objects.cols() != 0 && objects.cols() != count) || !finite(objects)) {
+      !none_or_all(ids) || (laws.cols() != 0 && laws.cols() != count) || !finite(laws) ||
+      (objects.cols() != 0 && objects.cols() != count) || !finite(objects)) {
     return false;
   }
   if (!finite(curvature)) return false;

@@ -59,13 +59,8 @@ RoundGap ProxyBound::round_gap(const PlaneSet& told, int i) const noexcept {
   const auto moves = hinges ? RoundGap::Moves::kHinges : RoundGap::Moves::kPoint;
   const VecX g = -gaps_.gradients().col(i);
   const double* const H = gaps_.curvature(i);
-  const double radius = told.radius.size() > 0 ? told.radius[i] : 0.0;
-  const double length = told.normals.col(i).norm();
-  const RoundGap gap =
-      radius == 0.0 ? RoundGap::inferred(moves, n, g.data() + first, H)
-                    : RoundGap::told(moves, n, g.data() + first, H,
-                                     length / (radius + gaps_.length()[i] * gaps_.beta()[i]));
-  const double scale = length / gap.length();
+  const RoundGap gap(moves, n, g.data() + first, H);
+  const double scale = told.normals.col(i).norm() / gap.length();
   const bool fits = !hinges || std::abs(scale * gap.link() - link) < kSameLink * link;
   return fits ? gap : RoundGap{};
 }

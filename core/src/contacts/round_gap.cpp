@@ -40,7 +40,7 @@ struct Distance {
 
 }  // namespace
 
-RoundGap::RoundGap(int n, const double* g, const double* H) noexcept : n_(n) {
+RoundGap::RoundGap(Moves moves, int n, const double* g, const double* H) noexcept : n_(n) {
   double square = 0.0;
   for (int i = 0; i < n; ++i) square += g[i] * g[i];
   length_ = std::sqrt(square);
@@ -48,22 +48,9 @@ RoundGap::RoundGap(int n, const double* g, const double* H) noexcept : n_(n) {
     g_[i] = g[i] / length_;
     for (int j = 0; j <= i; ++j) H_[i][j] = H_[j][i] = *H++ / length_;
   }
-}
-
-RoundGap RoundGap::told(Moves moves, int n, const double* g, const double* H,
-                        double curve) noexcept {
-  RoundGap gap(n, g, H);
-  gap.curve_ = curve;
-  if (gap.find_height(moves)) gap.place(moves);
-  return gap;
-}
-
-RoundGap RoundGap::inferred(Moves moves, int n, const double* g, const double* H) noexcept {
-  RoundGap gap(n, g, H);
-  if (!gap.find_height(moves)) return gap;
-  gap.curve_ = moves == Moves::kPoint ? gap.curve_of_point() : gap.curve_of_hinges();
-  gap.place(moves);
-  return gap;
+  if (moves == Moves::kHinges && !find_height()) return;
+  curve_ = moves == Moves::kHinges ? curve_of_hinges() : curve_of_point();
+  place(moves);
 }
 
 /// A distance does not turn its gradient along itself, and a round body turns it at one rate in
@@ -87,8 +74,7 @@ double RoundGap::curve_of_point() const noexcept {
 }
 
 /// With h_k the point's height above hinge k: H_jk = h_k (curve h_j - 1) for j <= k.
-bool RoundGap::find_height(Moves moves) noexcept {
-  if (moves != Moves::kHinges) return true;
+bool RoundGap::find_height() noexcept {
   const double most = std::max({std::abs(H_[0][0]), std::abs(H_[0][1]), std::abs(H_[1][1])});
   const double apart = H_[0][0] - H_[0][1];
   if (!(std::abs(apart) > kLeastApart * most)) return false;

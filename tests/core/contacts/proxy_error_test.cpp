@@ -140,10 +140,9 @@ Eigen::Vector2d settled(const Gaps& gaps, const std::vector<double>& gamma,
 }
 
 /// A probe that moves by up to `reach` since the anchor, for contacts that are told to the second
-/// order; stiffnesses wrong by up to u. `radius`: as it is told; 0: it is not.
+/// order; stiffnesses wrong by up to u.
 Judged curved(const ConfigurationSpace& space, const Gaps& gaps, const Eigen::Vector2d& around,
-              double spread, double reach, double u, double gamma, std::uint32_t seed,
-              double radius = 0.0) {
+              double spread, double reach, double u, double gamma, std::uint32_t seed) {
   std::mt19937 random(seed);
   PlaneProjection projection(space);
   Judged judged;
@@ -158,7 +157,6 @@ Judged curved(const ConfigurationSpace& space, const Gaps& gaps, const Eigen::Ve
     told.compliance.resize(count);
     told.curvature.resize(3 * count);
     told.uncertainty.setConstant(count, u);
-    told.radius.setConstant(radius == 0.0 ? 0 : count, radius);
     for (Eigen::Index i = 0; i < count; ++i) {
       const round_bodies::Jet gap = gaps[static_cast<std::size_t>(i)](x_0);
       told.normals.col(i) = -gap.g;
@@ -245,15 +243,6 @@ TEST(ProxyError, TrustsAFingersOwnLink) {
   const double none = of(0.0);
   EXPECT_LT(2.0 * of(0.045), none);
   EXPECT_EQ(of(0.050), none);
-}
-
-TEST(ProxyError, BelievesARadiusThatIsTold) {
-  const auto of = [](double radius) {
-    return test::percentile(
-        curved(finger(0.045), pads(0.0), {0.45, 0.5}, 0.3, 0.05, 0.0, 1e-3, 6, radius).bounds, 0.5);
-  };
-  const double inferred = of(0.0);
-  EXPECT_NEAR(of(0.030), inferred, 1e-6 * inferred);
 }
 
 TEST(ProxyError, IsNothingForExactContacts) {

@@ -33,8 +33,7 @@ inline constexpr int kMaxMotions = 6;
 /// age of t seconds, the gap
 ///   phi_i(x) = b_i + v_i t - n_i^T x + 1/2 z^T H_i z,
 /// which is >= 0 if the object is not touched. A normal is a covector: unit of b_i per unit of
-/// each coordinate; its length is free (n, b, v, H, radius may be scaled together, gamma by the
-/// square).
+/// each coordinate; its length is free (n, b, v, H may be scaled together, gamma by the square).
 /// A plane, n_i^T x <= b_i, is a contact without compliance, velocity and curvature.
 struct PlaneSet {
   using Normals = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxX, kMaxPlanes>;
@@ -60,10 +59,6 @@ struct PlaneSet {
   Laws laws{};
   Offsets ids{};      ///< what names a contact with a law from sample to sample; 0: nothing
   Objects objects{};  ///< of size 0 if no two contacts push one object
-  /// Radius of the round body that is touched, with that of the tool, in the unit of b; below 0:
-  /// hollow. 0: not told, and inferred from n and H if they are those of a round body. Of size 0 if
-  /// no contact tells it.
-  Offsets radius{};
   /// H, contact after contact: the lower triangle, row by row.
   Curvatures curvature{};
   Places first, curved;  ///< the coordinates that each H names: the first one, and how many

@@ -1,8 +1,7 @@
 #pragma once
-/// The gap between a point and a round body (a plane, a cylinder, a sphere). Its gradient, its
-/// second order and the body's curvature tell it whole (core/METHOD.md#error-bound), if the
-/// coordinates are those of the point itself, in m, or two parallel hinges, in rad; the first one
-/// carries the second.
+/// The gap between a point and a round body (a plane, a cylinder, a sphere). Its gradient and its
+/// second order tell it whole (core/METHOD.md#error-bound), if the coordinates are those of the
+/// point itself, in m, or two parallel hinges, in rad; the first one carries the second.
 
 #include <cstdint>
 
@@ -14,15 +13,9 @@ class RoundGap {
   static constexpr int kMost = 3;  ///< coordinates
 
   RoundGap() = default;  ///< kUnknown: nothing follows
-  /// `g` and `H`, a lower triangle row by row, of n coordinates, 2 or 3. `curve`: ||g|| by the
-  /// radius of the surface of equal gap on which the point lies, in the gap's unit; below 0 if the
-  /// body is hollow. kUnknown if g and H leave the hinges' place open.
-  [[nodiscard]] static RoundGap told(Moves moves, int n, const double* g, const double* H,
-                                     double curve) noexcept;
-  /// The same of a body that does not tell its radius. kUnknown also if g and H are not those of a
-  /// round body, or those of several.
-  [[nodiscard]] static RoundGap inferred(Moves moves, int n, const double* g,
-                                         const double* H) noexcept;
+  /// `g` and `H`, a lower triangle row by row, of n coordinates, 2 or 3. kUnknown if they are not
+  /// those of a round body, or those of several, or leave the hinges' place open.
+  RoundGap(Moves moves, int n, const double* g, const double* H) noexcept;
 
   [[nodiscard]] Moves moves() const noexcept { return moves_; }
   /// Length of g.
@@ -58,9 +51,8 @@ class RoundGap {
   [[nodiscard]] Off hinges(const Turn& turn, const Law& law) const noexcept;
 
  private:
-  RoundGap(int n, const double* g, const double* H) noexcept;
-  /// Finds height_[1] if `moves` needs it. False: g and H do not tell it.
-  [[nodiscard]] bool find_height(Moves moves) noexcept;
+  /// Finds height_[1]. False: g and H do not tell it.
+  [[nodiscard]] bool find_height() noexcept;
   /// curve_ by g and H; not finite: they are not those of one round body.
   [[nodiscard]] double curve_of_point() const noexcept;
   [[nodiscard]] double curve_of_hinges() const noexcept;

@@ -24,12 +24,13 @@ class GrpcStream : public Reactor, public Stream {
 
  protected:
   void keep_alive() { self_ = this->shared_from_this(); }
-
- private:
-  void start_write(Outgoing message) override {
+  void write(Outgoing message) override {
+    this->writing_ = true;
     outgoing_ = to_buffer(std::move(message));
     this->StartWrite(&outgoing_);
   }
+
+ private:
   void finish(const std::optional<Refusal>& why) override { this->Finish(to_status(why)); }
 
   std::shared_ptr<ResponseStream> self_;

@@ -29,7 +29,8 @@ void Broadcaster::remove(const Subscriber* subscriber) {
   entries_.erase(entry);
 }
 
-void Broadcaster::on_newest(const SerialisedState& state) {
+void Broadcaster::on_newest(std::size_t device, const SerialisedState& state) {
+  if (device != device_) return;
   std::vector<std::shared_ptr<Subscriber>> over;
   {
     const std::lock_guard lock(mutex_);

@@ -39,9 +39,9 @@ class Subscriber {
   virtual void lease_over() {}
 };
 
-class Broadcaster {
+class Broadcaster final : public FrontPort {
  public:
-  explicit Broadcaster(WatchBudget budget) : budget_(budget) {}
+  Broadcaster(std::size_t device, WatchBudget budget) : device_(device), budget_(budget) {}
 
   /// The stream of lease `tenure` comes first while that lease lasts, and is one of the others when
   /// it has ended; 0: one of the others from the beginning. Any thread, but not from offer(). After
@@ -49,8 +49,7 @@ class Broadcaster {
   void add(std::shared_ptr<Subscriber> subscriber, std::uint32_t tenure = 0);
   void remove(const Subscriber* subscriber);
 
-  /// The owner link's thread.
-  void on_newest(const SerialisedState& state);
+  void on_newest(std::size_t device, const SerialisedState& state) override;
 
  private:
   void send(const SerialisedState& state);
@@ -59,6 +58,7 @@ class Broadcaster {
     std::shared_ptr<Subscriber> stream{};
   };
 
+  const std::size_t device_;
   WatchBudget budget_;
 
   std::mutex mutex_;

@@ -1,13 +1,6 @@
 #include "server/front/service/response_stream.hpp"
 
-#include <utility>
-
 namespace haptic::server {
-
-void ResponseStream::write(Outgoing message) {
-  writing_ = true;
-  start_write(std::move(message));
-}
 
 void ResponseStream::written(bool ok) {
   bool finish_now = false;

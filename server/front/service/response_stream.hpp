@@ -29,8 +29,8 @@ class ResponseStream : public Subscriber,
   };
 
   // Calls to the carrier.
-  /// Under the mutex; no other write is under way. written() follows, later.
-  virtual void start_write(Outgoing message) = 0;
+  /// Under the mutex; no other write is under way. Sets writing_; written() follows, later.
+  virtual void write(Outgoing message) = 0;
   /// Once, with no write under way. Absent: the stream ended in order, or is broken.
   virtual void finish(const std::optional<Refusal>& why) = 0;
 
@@ -44,8 +44,6 @@ class ResponseStream : public Subscriber,
   /// Gives up what the stream holds at the owner. Not under the mutex.
   virtual void close(Ending ending) = 0;
 
-  /// Under the mutex; no other write is under way.
-  void write(Outgoing message);
   void end(const std::optional<Refusal>& why, Ending ending = Ending::kGivenUp);
   /// From now on offered states by `broadcaster`; as Broadcaster::add().
   void join(Broadcaster& broadcaster, std::uint32_t tenure = 0);

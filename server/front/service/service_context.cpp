@@ -103,7 +103,8 @@ ServiceContext::ServiceContext(FrontConfig front_config, OwnerPort& owner,
   const auto n = std::max<std::size_t>(owner.devices().size(), 1);
   const WatchBudget share(limits.watch_budget_hz / static_cast<double>(n));
   for (std::size_t i = 0; i < owner.devices().size(); ++i) {
-    broadcasters.push_back(std::make_unique<Broadcaster>(share));
+    broadcasters.push_back(std::make_shared<Broadcaster>(i, share));
+    owner.connect(broadcasters.back());
   }
 }
 

@@ -106,10 +106,6 @@ class ServiceContext final : public Front {
   ServiceContext(FrontConfig front_config, OwnerPort& owner, FactsProvider facts_provider,
                  ServiceLimits service_limits = {});
 
-  void on_newest(std::size_t device, const SerialisedState& state) override {
-    broadcasters[device]->on_newest(state);
-  }
-
   /// Account of the connection of a call that stays for a while, by its peer's name (Connections).
   [[nodiscard]] std::shared_ptr<Account> account_of(const std::string& peer);
   [[nodiscard]] double loop_hz() const { return 1.0 / core::seconds(config.period); }
@@ -137,7 +133,7 @@ class ServiceContext final : public Front {
   WaitingRoom former;
   std::unique_ptr<Connections> connections;                ///< null before start()
   std::unique_ptr<UdpPort> udp;                            ///< null if the scene has no udp_listen
-  std::vector<std::unique_ptr<Broadcaster>> broadcasters;  ///< per device
+  std::vector<std::shared_ptr<Broadcaster>> broadcasters;  ///< per device, each told by the owner
 };
 
 }  // namespace haptic::server

@@ -52,7 +52,7 @@ class SessionSocket final : public SessionStream, public WebConnection {
   }
   ~SessionSocket() override { done(); }
 
-  /// On the server's thread, as all that follows but start_write() and finish().
+  /// On the server's thread, as all that follows but write() and finish().
   void accept(const http::request<http::string_body>& request) {
     socket_.async_accept(request, [self = self()](beast::error_code error) {
       if (!error) self->begin();
@@ -93,7 +93,8 @@ class SessionSocket final : public SessionStream, public WebConnection {
     received(request_, bytes, arrival);
   }
 
-  void start_write(Outgoing message) override {
+  void write(Outgoing message) override {
+    writing_ = true;
     asio::post(shared_.loop, [self = self(), message = std::move(message)]() mutable {
       self->write_now(std::move(message));
     });

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "server/front/session/pace.hpp"
-#include "tests/server/support/broadcast.hpp"
 #include "tests/server/support/device_rig.hpp"
 
 namespace haptic::test {
@@ -29,12 +28,13 @@ class BroadcasterTest : public testing::Test {
   /// epoch 0: a watcher.
   std::shared_ptr<Counter> join(std::uint32_t epoch = 0) {
     auto counter = std::make_shared<Counter>();
-    broadcaster.add(counter, epoch);
+    broadcaster->add(counter, epoch);
     return counter;
   }
+  void SetUp() override { rig.owner->connect(broadcaster); }
   DeviceRig rig;
-  std::shared_ptr<Broadcast> broadcast = Broadcast::of(*rig.owner, 500.0);
-  server::Broadcaster& broadcaster = broadcast->broadcaster;
+  std::shared_ptr<server::Broadcaster> broadcaster =
+      std::make_shared<server::Broadcaster>(0, server::WatchBudget(500.0));
 };
 
 TEST_F(BroadcasterTest, ControllerGetsEveryTick) {
@@ -81,7 +81,7 @@ TEST_F(BroadcasterTest, WatchersWithinBudgetMissNothing) {
 TEST_F(BroadcasterTest, FormerWatcherIsNotAskedAgain) {
   const auto watcher = join();
   rig.tick(10);
-  broadcaster.remove(watcher.get());
+  broadcaster->remove(watcher.get());
   rig.tick(10);
   EXPECT_EQ(watcher->asked, 10);
 }

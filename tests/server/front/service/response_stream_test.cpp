@@ -46,7 +46,7 @@ class HandDrivenStream final : public server::ResponseStream {
   std::optional<Refusal> why{};  ///< of the last finish()
 
  private:
-  void start_write(server::Outgoing /*message*/) override {}
+  void write(server::Outgoing /*message*/) override { writing_ = true; }
   void finish(const std::optional<Refusal>& reason) override {
     ++finishes;
     why = reason;

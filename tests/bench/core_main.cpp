@@ -57,11 +57,17 @@ double sink = 0.0;
 
 constexpr int kWarmUp = 1000, kTicks = 3000;
 
-/// Input of tick `i` (from 0, 1 ms apart) of an engaged device: the fresh sample q (n_q), and the
-/// held proxy x (n_x) of a client at 60 Hz, free at first.
-core::TickInput held_tick(const core::PipelineConfig& config, int i, const core::VecQ& q,
-                          const core::VecX& x) {
-  core::TickInput input;
+struct Tick {
+  core::TickInput input{};
+  core::ProxySnapshot proxy{};
+};
+
+/// Tick `i` (from 0, 1 ms apart) of an engaged device: the fresh sample q (n_q), and the held proxy
+/// x (n_x) of a client at 60 Hz, free at first.
+Tick held_tick(const core::PipelineConfig& config, int i, const core::VecQ& q,
+               const core::VecX& x) {
+  Tick tick;
+  core::TickInput& input = tick.input;
   input.now = core::TimePoint(std::chrono::milliseconds(i + 1));
   input.settings = config.scene;
   input.device.fresh = input.device.armed = true;
@@ -71,16 +77,16 @@ core::TickInput held_tick(const core::PipelineConfig& config, int i, const core:
   input.command.tenure = 1;
   input.command.lease_held = true;
   input.command.engage_id = i > 250 ? 1 : 0;
-  input.proxy.mode = i == 0 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
-  input.proxy.tenure = 1;
-  input.proxy.seq = static_cast<std::uint64_t>(i / 16 + 1);
-  input.proxy.gapless_samples = static_cast<std::uint64_t>(i);
-  input.proxy.born = input.now;
-  input.proxy.x = x;
-  return input;
+  tick.proxy.mode = i == 0 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
+  tick.proxy.tenure = 1;
+  tick.proxy.seq = static_cast<std::uint64_t>(i / 16 + 1);
+  tick.proxy.gapless_samples = static_cast<std::uint64_t>(i);
+  tick.proxy.born = input.now;
+  tick.proxy.x = x;
+  return tick;
 }
 
-core::TickInput tick_input(const Poses& poses, const core::PipelineConfig& config, int i) {
+Tick tick_at(const Poses& poses, const core::PipelineConfig& config, int i) {
   return held_tick(config, i, poses.q[static_cast<std::size_t>(i % kPoses)],
                    poses.x[static_cast<std::size_t>((i / 16 * 16) % kPoses)]);
 }
@@ -134,17 +140,17 @@ double tick_p50(const Poses& poses, core::RendererKind kind, const Extras& extra
   const double p50 = bench::p50_of_calls(
       kWarmUp, kTicks,
       [&](int i) {
-        core::TickInput input = tick_input(poses, config, i);
-        if (extras.planes > 0) put_planes(extras.planes, input.proxy);
-        if (extras.laws) put_laws(input.proxy.planes);
+        Tick tick = tick_at(poses, config, i);
+        if (extras.planes > 0) put_planes(extras.planes, tick.proxy);
+        if (extras.laws) put_laws(tick.proxy.planes);
         if (extras.bound) {
-          input.proxy.planes.uncertainty.setConstant(extras.planes, 0.1);
-          input.proxy.anchored_at = static_cast<std::uint64_t>(std::max(i / 16 * 16 - 1, 1));
+          tick.proxy.planes.uncertainty.setConstant(extras.planes, 0.1);
+          tick.proxy.anchored_at = static_cast<std::uint64_t>(std::max(i / 16 * 16 - 1, 1));
         }
-        return input;
+        return tick;
       },
-      [&](const core::TickInput& input) {
-        const core::TickRecord record = pipeline.tick(input);
+      [&](const Tick& tick) {
+        const core::TickRecord record = pipeline.tick(tick.input, tick.proxy);
         engaged = record.life.state == core::LifecycleState::kEngaged;
         sink += record.effort.tau_a[0];
       });
@@ -164,13 +170,13 @@ double hand_tick_p50(const Poses& poses) {
   const double p50 = bench::p50_of_calls(
       kWarmUp, kTicks,
       [&](int i) {
-        const core::TickInput one = tick_input(poses, config, i);
-        core::TickInput input = held_tick(config, i, one.device.sample.q.replicate(kFingers, 1),
-                                          one.proxy.x.replicate(kFingers, 1));
+        const Tick one = tick_at(poses, config, i);
+        Tick tick = held_tick(config, i, one.input.device.sample.q.replicate(kFingers, 1),
+                              one.proxy.x.replicate(kFingers, 1));
         core::ProxySnapshot of_one;
         put_planes(kContacts, of_one);
-        core::PlaneSet& planes = input.proxy.planes;
-        input.proxy.mode = of_one.mode;
+        core::PlaneSet& planes = tick.proxy.planes;
+        tick.proxy.mode = of_one.mode;
         planes.normals.setZero(2 * kFingers, kContacts * kFingers);
         planes.offsets = of_one.planes.offsets.replicate(kFingers, 1);
         for (int k = 0; k < kFingers; ++k) {
@@ -180,10 +186,10 @@ double hand_tick_p50(const Poses& poses) {
         for (int k = 0; k < planes.size(); ++k) {
           planes.first[static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(k / kContacts * 2);
         }
-        return input;
+        return tick;
       },
-      [&](const core::TickInput& input) {
-        const core::TickRecord record = pipeline.tick(input);
+      [&](const Tick& tick) {
+        const core::TickRecord record = pipeline.tick(tick.input, tick.proxy);
         sink += record.effort.tau_a[0];
         felt = felt || (record.life.state == core::LifecycleState::kEngaged &&
                         record.anchor.active_planes == (1u << kContacts * kFingers) - 1);

@@ -75,12 +75,15 @@ class Arrivals final : public server::RecordListener {
   void on_record(const core::TickRecord& record) override {
     const std::lock_guard lock(mutex);
     found_us.push_back(since_tick_us(record));
-    const core::ProxySnapshot& proxy = record.input.proxy;
-    if (proxy.seq != last_) born.emplace_back(proxy.seq, proxy.born.time_since_epoch().count());
+    const core::ProxyInUse& proxy = record.proxy;
+    const core::TimePoint now = record.input.now;
+    if (proxy.seq != last_) {
+      born.emplace_back(proxy.seq, (now - proxy.age).time_since_epoch().count());
+    }
     last_ = proxy.seq;
-    ages_us.push_back(core::seconds(record.proxy.age) * 1e6);
-    if (record.proxy.mode != core::ProxyMode::kNone) {
-      used.emplace_back(record.proxy.seq, record.input.now.time_since_epoch().count());
+    ages_us.push_back(core::seconds(proxy.age) * 1e6);
+    if (proxy.mode != core::ProxyMode::kNone) {
+      used.emplace_back(proxy.seq, now.time_since_epoch().count());
     }
     skipped += record.input.loop.skipped;
   }

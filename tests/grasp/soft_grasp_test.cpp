@@ -57,7 +57,8 @@ Weak grasp(const fs::path& motion, int last_ms) {
   RemoteClient client(publisher(simulation));
   core::TickInput in{.now = core::TimePoint(std::chrono::seconds(100))};
   in.settings = scene.pipeline.scene;
-  in.command.tenure = in.proxy.tenure = 1;
+  core::ProxySnapshot newest;
+  in.command.tenure = newest.tenure = 1;
   in.command.lease_held = true;
   hw::Command command{false, core::VecA::Zero(1), {}};
   Weak found;
@@ -69,9 +70,9 @@ Weak grasp(const fs::path& motion, int last_ms) {
     core::MatXQ J;
     const core::VecQ q = in.device.sample.q;
     EXPECT_EQ(scene.pipeline.kinematics->evaluate(q, x, J), core::MapStatus::kOk);
-    client.step(1e-3 * ms, in.now, q, x, in.proxy);
+    client.step(1e-3 * ms, in.now, q, x, newest);
     if (ms == 400) ++in.command.engage_id;
-    const core::TickRecord record = pipeline.tick(in);
+    const core::TickRecord record = pipeline.tick(in, newest);
     command.arm = record.life.arm;
     command.tau_a = record.effort.tau_a;
     device->write(in.now, command);

@@ -27,9 +27,9 @@ class Shadow {
   Shadow() {
     input_.settings = pipeline_.config().scene;
     input_.device.fresh = input_.device.armed = true;
-    input_.command.tenure = input_.proxy.tenure = 1;
+    input_.command.tenure = proxy_.tenure = 1;
     input_.command.lease_held = true;
-    input_.proxy.mode = core::ProxyMode::kPlanes;
+    proxy_.mode = core::ProxyMode::kPlanes;
   }
 
   const core::TickRecord& tick(const RecordedTick& at) {
@@ -37,19 +37,19 @@ class Shadow {
     const auto now = core::TimePoint(
         std::chrono::duration_cast<core::Duration>(std::chrono::duration<double>(1.0 + at.time)));
     core::DeviceSample& device = input_.device.sample;
-    input_.now = device.time = input_.proxy.born = now;
-    input_.proxy.anchored_at = ++device.seq;  // the tick's number
+    input_.now = device.time = proxy_.born = now;
+    proxy_.anchored_at = ++device.seq;  // the tick's number
     device.q = two(at.slide, at.body);
     core::VecX x_probe(2);
     if (pipeline_.config().kinematics->position(device.q, x_probe) == core::MapStatus::kOk) {
       const auto x = finger_.step({x_probe[0], x_probe[1]}).x;
-      input_.proxy.x = two(x[0], x[1]);
-      input_.proxy.planes = plane_set(finger_.contacts(x, kAll), 2);
+      proxy_.x = two(x[0], x[1]);
+      proxy_.planes = plane_set(finger_.contacts(x, kAll), 2);
     }
-    if (++input_.proxy.seq == 1) input_.proxy.gapless_since = now;
-    ++input_.proxy.gapless_samples;
+    if (++proxy_.seq == 1) proxy_.gapless_since = now;
+    ++proxy_.gapless_samples;
     if (device.seq % 100 == 0 && !engaged_) ++input_.command.engage_id;
-    record_ = pipeline_.tick(input_);
+    record_ = pipeline_.tick(input_, proxy_);
     engaged_ = record_.life.state == core::LifecycleState::kEngaged;
     return record_;
   }
@@ -66,6 +66,7 @@ class Shadow {
   core::Pipeline pipeline_{config()};
   examples::SoftFinger finger_{};
   core::TickInput input_{};
+  core::ProxySnapshot proxy_{};
   core::TickRecord record_{};
   bool engaged_{false};
 };

@@ -92,7 +92,9 @@ FeltSums run(const FeltTrajectory& what, const FeltDevice& device, const FeltRun
     if (k > begins) step_tick(physics, t, what.aim, felt.tau());
     const core::TickRecord& record = felt.tick(physics.q());
     const core::LimiterSet limiters = record.limiters() | ideal.tick(physics.q()).limiters();
-    if (inputs != nullptr) (k > begins ? inputs->motion : inputs->before).push_back(record.input);
+    if (inputs != nullptr) {
+      (k > begins ? inputs->motion : inputs->before).push_back({record.input, felt.proxy()});
+    }
     if (k == begins) {
       felt.require_engaged();
       ideal.require_engaged();
@@ -128,9 +130,10 @@ double replayed_tick_ns(const FeltDevice& device, core::RendererKind renderer,
                         const FeltInputs& inputs) {
   core::Pipeline pipeline(config_of(device, renderer));
   double force = 0.0;
-  for (const core::TickInput& input : inputs.before) force += pipeline.tick(input).life.gain;
+  const auto tick = [&](const FeltInputs::Tick& at) { return pipeline.tick(at.input, at.proxy); };
+  for (const auto& at : inputs.before) force += tick(at).life.gain;
   const double start = test::cpu_ns();
-  for (const core::TickInput& input : inputs.motion) force += pipeline.tick(input).effort.tau_a[0];
+  for (const auto& at : inputs.motion) force += tick(at).effort.tau_a[0];
   const double spent = test::cpu_ns() - start;
   if (!std::isfinite(force)) throw core::SceneError("felt: a replayed force is not finite");
   return spent / static_cast<double>(inputs.motion.size());

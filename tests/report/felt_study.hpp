@@ -82,8 +82,12 @@ struct FeltSums {
 
 /// The ticks of a run as the pipeline got them.
 struct FeltInputs {
-  std::vector<core::TickInput> before{};  ///< until the motion begins
-  std::vector<core::TickInput> motion{};
+  struct Tick {
+    core::TickInput input{};
+    core::ProxySnapshot proxy{};
+  };
+  std::vector<Tick> before{};  ///< until the motion begins
+  std::vector<Tick> motion{};
 };
 
 /// Throws SceneError where force never came on.

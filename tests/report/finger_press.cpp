@@ -50,12 +50,11 @@ std::unique_ptr<hw::Device> worn_device(const Press& what,
 }
 
 /// The newest sample of a client without delay: the pose clipped at the stops, free at first.
-void publish(core::TickInput& input, const VecX& x) {
-  core::ProxySnapshot& proxy = input.proxy;
+void publish(core::TimePoint now, const VecX& x, core::ProxySnapshot& proxy) {
   proxy.mode = ++proxy.seq == 1 ? core::ProxyMode::kFree : core::ProxyMode::kHeld;
   proxy.tenure = 1;
-  proxy.born = input.now;
-  if (proxy.seq == 1) proxy.gapless_since = input.now;
+  proxy.born = now;
+  if (proxy.seq == 1) proxy.gapless_since = now;
   ++proxy.gapless_samples;
   proxy.x = x;
 }
@@ -124,6 +123,7 @@ Felt press(const Press& what, const std::function<void(const PressTick&)>& obser
   const VecX stop =
       (VecX(2) << what.stop_deg.first * kDegree, what.stop_deg.second * kDegree).finished();
 
+  core::ProxySnapshot newest;
   core::TickInput input;
   input.settings = pipeline.config().scene;
   input.command.tenure = 1;
@@ -153,11 +153,11 @@ Felt press(const Press& what, const std::function<void(const PressTick&)>& obser
       felt.net_work += held * way - own_damping * way * way / kPeriod;
     }
     last_q = where;
-    publish(input, x_probe.cwiseMin(stop));
+    publish(input.now, x_probe.cwiseMin(stop), newest);
     if (what.force && k >= kEngageTick && state == core::LifecycleState::kArmed) {
       ++input.command.engage_id;
     }
-    const core::TickRecord record = pipeline.tick(input);
+    const core::TickRecord record = pipeline.tick(input, newest);
     state = record.life.state;
     felt.withheld += record.limiters().has(core::Limiter::kDirectionGuard) ? 1 : 0;
     felt.throttled += record.limiters().has(core::Limiter::kEnergyTank) ? 1 : 0;

@@ -54,7 +54,7 @@ class Hand {
     input_.command.lease_held = true;
     for (int i = 0; i < 700; ++i) {
       if (i == 260) ++input_.command.engage_id;
-      state_ = pipeline_.tick(prepare()).life.state;
+      state_ = pipeline_.tick(prepare(), proxy_).life.state;
     }
     if (state_ != core::LifecycleState::kEngaged) {
       throw core::SceneError("scaling: the hand did not engage; a tick without force is no figure");
@@ -65,7 +65,9 @@ class Hand {
   double median_tick(int ticks) {
     return bench::p50_of_calls(
         0, ticks, [this](int) -> const core::TickInput& { return prepare(); },
-        [this](const core::TickInput& input) { force_ += pipeline_.tick(input).effort.tau_a[0]; });
+        [this](const core::TickInput& input) {
+          force_ += pipeline_.tick(input, proxy_).effort.tau_a[0];
+        });
   }
 
  private:
@@ -113,19 +115,18 @@ class Hand {
     ++input_.device.sample.seq;
     input_.device.sample.time = input_.now;
     input_.device.sample.q = q_[k];
-    core::ProxySnapshot& proxy = input_.proxy;
     if (tick_++ % kFrame == 0) {
-      const bool outside = ++proxy.seq == 1 && mode_ == core::ProxyMode::kHeld;
-      proxy.mode = outside ? core::ProxyMode::kFree : mode_;
-      proxy.tenure = 1;
-      if (proxy.seq == 1) proxy.gapless_since = input_.now;
-      ++proxy.gapless_samples;
-      proxy.born = input_.now;
-      proxy.x = x_[k];
+      const bool outside = ++proxy_.seq == 1 && mode_ == core::ProxyMode::kHeld;
+      proxy_.mode = outside ? core::ProxyMode::kFree : mode_;
+      proxy_.tenure = 1;
+      if (proxy_.seq == 1) proxy_.gapless_since = input_.now;
+      ++proxy_.gapless_samples;
+      proxy_.born = input_.now;
+      proxy_.x = x_[k];
       if (mode_ != core::ProxyMode::kPlanes) return input_;
-      proxy.planes.normals.setZero(proxy.x.size(), in_contact_);  // one on each PIP joint
-      proxy.planes.offsets.setConstant(in_contact_, kStopPip);
-      for (int f = 0; f < in_contact_; ++f) proxy.planes.normals(2 * f + 1, f) = 1.0;
+      proxy_.planes.normals.setZero(proxy_.x.size(), in_contact_);  // one on each PIP joint
+      proxy_.planes.offsets.setConstant(in_contact_, kStopPip);
+      for (int f = 0; f < in_contact_; ++f) proxy_.planes.normals(2 * f + 1, f) = 1.0;
     }
     return input_;
   }
@@ -135,6 +136,7 @@ class Hand {
   core::ProxyMode mode_;
   int in_contact_;
   core::TickInput input_{};
+  core::ProxySnapshot proxy_{};
   core::LifecycleState state_{};
   std::vector<VecQ> q_{};
   std::vector<VecX> x_{};

@@ -5,10 +5,10 @@
 
 namespace haptic::test {
 
-/// The next sample, `x`, born now, under the tenure of `input`. The first one is free: the probe
-/// came from outside.
-inline void publish_held(core::TickInput& input, const core::VecX& x) {
-  core::ProxySnapshot& proxy = input.proxy;
+/// Makes `proxy` the next sample: `x`, born now, under the tenure of `input`. The first one is
+/// free: the probe came from outside.
+inline void publish_held(const core::TickInput& input, const core::VecX& x,
+                         core::ProxySnapshot& proxy) {
   proxy.tenure = input.command.tenure;
   proxy.x = x;
   proxy.born = input.now;

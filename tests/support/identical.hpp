@@ -17,9 +17,9 @@ namespace haptic::core {
 
 /// PlaneSet has a constructor.
 [[nodiscard]] inline auto fields_of(const PlaneSet& p) noexcept {
-  return std::tuple_cat(std::tie(p.normals, p.offsets, p.laws, p.ids, p.objects, p.curvature,
-                                 p.first, p.curved),
-                        p.lists());
+  return std::tuple_cat(
+      std::tie(p.normals, p.offsets, p.laws, p.ids, p.objects, p.curvature, p.first, p.curved),
+      p.lists());
 }
 
 template <typename T>

@@ -59,10 +59,10 @@ class PressedBoard {
     core::MatXQ J;
     if (input_.device.sample.q.size() == 2 &&
         setup_.finger->evaluate(input_.device.sample.q, x, J) == core::MapStatus::kOk) {
-      publish_held(input_, setup_.proxy(x));
+      publish_held(input_, setup_.proxy(x), proxy_);
     }
     if (last_.life.state == core::LifecycleState::kArmed) ++input_.command.engage_id;
-    last_ = pipeline_.tick(input_);
+    last_ = pipeline_.tick(input_, proxy_);
     const core::VecA& drive = last_.effort.drive;
     device_.write(input_.now, {last_.life.arm, drive.size() > 0 ? drive : last_.effort.tau_a,
                                last_.effort.position});
@@ -102,6 +102,7 @@ class PressedBoard {
   hw::emulator::VirtualBoard device_;
   core::Pipeline pipeline_;
   core::TickInput input_{};
+  core::ProxySnapshot proxy_{};
   core::TickRecord last_{};
 };
 

@@ -140,7 +140,7 @@ class Pipeline::Stages {
         actuation_(model_, config_),
         in_use_(VecQ::Zero(model_.layout().n_q())) {}
 
-  [[nodiscard]] TickRecord tick(const TickInput& in) noexcept {
+  [[nodiscard]] TickRecord tick(const TickInput& in, const ProxySnapshot& newest) noexcept {
     const Settings& settings = settings_.step(in.settings, state_);
     // Each result is made in its place in the record, where the stages that follow read it.
     TickRecord now{
@@ -148,7 +148,7 @@ class Pipeline::Stages {
         .beat = clock_.step(in, ready_),
         .settings_id = settings.id,
         .sensed = sensing_.step(in, now.beat.dt, driven_),
-        .proxy = proxy_.step(in, settings.staleness, now.sensed.tracker, state_),
+        .proxy = proxy_.step(in, newest, settings.staleness, now.sensed.tracker, state_),
         .derating =
             derating_.step(in, now.beat, now.sensed, proxy_.sample(), proxy_.moved(), settings),
         .anchor = rendering_.step(moment_of(proxy_.sample(), now.beat, in, settings), now.sensed,
@@ -194,8 +194,8 @@ Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
 
-TickRecord Pipeline::tick(const TickInput& input) noexcept {
-  return stages_->tick(input);
+TickRecord Pipeline::tick(const TickInput& input, const ProxySnapshot& newest) noexcept {
+  return stages_->tick(input, newest);
 }
 
 const PipelineConfig& Pipeline::config() const noexcept {

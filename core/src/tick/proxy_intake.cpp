@@ -36,10 +36,10 @@ bool same_planes(const ProxySnapshot& one, const ProxySnapshot& other) noexcept 
 
 }  // namespace
 
-ProxyInUse ProxyIntake::step(const TickInput& in, const StalenessLimits& limits,
-                             const TrackerRecord& tracker, LifecycleState last) noexcept {
+ProxyInUse ProxyIntake::step(const TickInput& in, const ProxySnapshot& sample,
+                             const StalenessLimits& limits, const TrackerRecord& tracker,
+                             LifecycleState last) noexcept {
   const CommandSnapshot& command = in.command;
-  const ProxySnapshot& sample = in.proxy;
   const bool offered =
       command.lease_held && sample.mode != ProxyMode::kNone && sample.tenure == command.tenure;
   const bool same = offered && sample.tenure == sample_.tenure && sample.seq == sample_.seq &&

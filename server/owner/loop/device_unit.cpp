@@ -24,12 +24,13 @@ void DeviceUnit::tick(core::TimePoint now, core::Duration period,
   input_.device.fresh = false;
   device_->read(now, input_.device);
 
-  if (proxies.take()) input_.proxy = proxies.value();
   if (poses.take()) input_.tracker = poses.value();
   if (commands.take()) input_.command = commands.value();
   if (settings.take()) input_.settings = settings.value();
 
-  const core::TickRecord& record = records.prepare([this] { return pipeline_.tick(input_); });
+  proxies.take();
+  const core::TickRecord& record =
+      records.prepare([this] { return pipeline_.tick(input_, proxies.value()); });
 
   command_.arm = record.life.arm;
   command_.tau_a = record.effort.drive.size() > 0 ? record.effort.drive : record.effort.tau_a;
@@ -50,18 +51,16 @@ constexpr int kReleaseAt = 650;
 
 /// A device in the middle of its range and a proxy at its probe, in the way once it is held: every
 /// stage has work.
-core::TickInput resting(const core::PipelineConfig& config) {
+core::TickInput resting(const core::PipelineConfig& config, core::ProxySnapshot& proxy) {
   core::TickInput input;
   input.settings = config.scene;
   input.device.armed = true;
   input.device.sample.q = 0.5 * (config.device.q_lower + config.device.q_upper);
   core::MatXQ J;
-  const auto status = config.kinematics->evaluate(input.device.sample.q, input.proxy.x, J);
-  if (status != core::MapStatus::kOk) {
-    input.proxy.x = core::VecX::Zero(config.kinematics->space().n_x());
-  }
-  input.proxy.mode = core::ProxyMode::kFree;
-  input.proxy.tenure = 1;
+  const auto status = config.kinematics->evaluate(input.device.sample.q, proxy.x, J);
+  if (status != core::MapStatus::kOk) proxy.x.setZero(config.kinematics->space().n_x());
+  proxy.mode = core::ProxyMode::kFree;
+  proxy.tenure = 1;
   if (config.tracker) {
     for (std::size_t i = 0; i < core::kPalmDofs; ++i) {
       const Eigen::Index dof = config.tracker->first_dof + static_cast<Eigen::Index>(i);
@@ -77,25 +76,26 @@ core::TickInput resting(const core::PipelineConfig& config) {
 void DeviceUnit::rehearse() const {
   using namespace std::chrono_literals;
   core::Pipeline understudy(config());
-  core::TickInput input = resting(config());
+  core::ProxySnapshot proxy;
+  core::TickInput input = resting(config(), proxy);
   input.now = core::TimePoint(1h);
-  input.proxy.gapless_since = input.now;
+  proxy.gapless_since = input.now;
   input.command.tenure = 1;
   input.command.lease_held = true;
   for (int i = 1; i <= kRehearsalTicks; ++i) {
     input.now += input.period;
-    if (i > 1) input.proxy.mode = core::ProxyMode::kHeld;  // free first: force would not start else
+    if (i > 1) proxy.mode = core::ProxyMode::kHeld;  // free first: force would not start else
     input.device.fresh = true;
     input.device.sample.seq++;
     input.device.sample.time = input.now;
-    input.proxy.seq++;
-    input.proxy.born = input.now;
-    input.proxy.gapless_samples++;
+    proxy.seq++;
+    proxy.born = input.now;
+    proxy.gapless_samples++;
     input.tracker.seq++;
     input.tracker.born = input.now;
     input.command.engage_id = i >= kEngageAt ? 1 : 0;
     input.command.release_id = i >= kReleaseAt ? 1 : 0;
-    static_cast<void>(understudy.tick(input));
+    static_cast<void>(understudy.tick(input, proxy));
   }
 }
 

@@ -116,7 +116,7 @@ TEST(Contacts, SurfaceMovesForTheSamplesAge) {
   using std::chrono::milliseconds;
   core::test::DrivenPipeline loop(patient_rail());
   loop.input.device.sample.q = one(0.15);
-  ProxySnapshot& proxy = loop.input.proxy;
+  ProxySnapshot& proxy = loop.proxy;
   proxy.mode = ProxyMode::kPlanes;
   proxy.x = one(0.0);
   proxy.planes.normals = MatXQ::Identity(1, 1);

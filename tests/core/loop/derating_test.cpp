@@ -30,8 +30,8 @@ class Late : public test::DrivenPipeline {
  public:
   explicit Late(const PipelineConfig& config = on_rails()) : DrivenPipeline(config) {
     input.device.sample.q = VecQ::Constant(config.kinematics->layout().n_q(), 0.01);
-    input.proxy.x = VecX::Constant(config.kinematics->space().n_x(), 0.008);
-    input.proxy.mode = ProxyMode::kNone;
+    proxy.x = VecX::Constant(config.kinematics->space().n_x(), 0.008);
+    proxy.mode = ProxyMode::kNone;
   }
   const TickRecord& run(int ticks) {
     for (int i = 0; i < ticks; ++i, ++ticks_) {
@@ -55,9 +55,9 @@ class Late : public test::DrivenPipeline {
   void prepare() override {
     const std::uint64_t now = record.beat.tick + 1;
     const auto late = static_cast<std::uint64_t>(late_ms);
-    input.proxy.seen_at = now > late ? now - late : 0;
-    input.proxy.mode = planes ? ProxyMode::kPlanes : ProxyMode::kHeld;
-    if (planes) planes(input.proxy);
+    proxy.seen_at = now > late ? now - late : 0;
+    proxy.mode = planes ? ProxyMode::kPlanes : ProxyMode::kHeld;
+    if (planes) planes(proxy);
   }
 
  private:
@@ -267,7 +267,7 @@ TEST(Derating, NewLeaseIsMeasuredAlone) {
   Late loop;
   loop.engage();
   loop.planes = fixed_plane;
-  loop.input.command.tenure = ++loop.input.proxy.tenure;
+  loop.input.command.tenure = ++loop.proxy.tenure;
   loop.run(500);
   EXPECT_EQ(loop.stiffness(), kK);
 }

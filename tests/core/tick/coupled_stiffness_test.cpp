@@ -61,7 +61,7 @@ class CoupledBench : public test::DrivenPipeline {
 
  protected:
   void prepare() override {
-    if (input.proxy.mode == ProxyMode::kHeld) input.proxy.x = map_matrix() * target;
+    if (proxy.mode == ProxyMode::kHeld) proxy.x = map_matrix() * target;
   }
 };
 

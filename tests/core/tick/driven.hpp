@@ -2,7 +2,7 @@
 /// A pipeline in virtual time at 1 kHz: an armed device, the holder of a lease, and a client that
 /// speaks in every tick. Its first sample is free: the probe comes from outside. Every tick is held
 /// to two rules: it allocates nothing, and another pipeline answers the same bits to the input that
-/// its record has.
+/// its record has and the same sample.
 
 #include <gtest/gtest.h>
 
@@ -17,9 +17,9 @@ class DrivenPipeline {
   explicit DrivenPipeline(const PipelineConfig& config) : pipeline(config), again_(config) {
     input.settings = config.scene;
     input.device.armed = true;
-    input.command.tenure = input.proxy.tenure = 1;
+    input.command.tenure = proxy.tenure = 1;
     input.command.lease_held = true;
-    input.proxy.mode = ProxyMode::kHeld;
+    proxy.mode = ProxyMode::kHeld;
   }
   virtual ~DrivenPipeline() = default;
   /// `sample`, `publish`: the device and the client give something new.
@@ -31,22 +31,20 @@ class DrivenPipeline {
       input.device.sample.time = input.now;
     }
     if (publish) {
-      ProxySnapshot& p = input.proxy;
-      if (p.gapless_samples++ == 0) p.gapless_since = input.now;
-      ++p.seq;
-      p.born = input.now;
+      if (proxy.gapless_samples++ == 0) proxy.gapless_since = input.now;
+      ++proxy.seq;
+      proxy.born = input.now;
       prepare();
     }
-    ProxyMode& mode = input.proxy.mode;
-    const bool first = input.proxy.seq == 1 && mode == ProxyMode::kHeld;
-    if (first) mode = ProxyMode::kFree;
+    const bool first = proxy.seq == 1 && proxy.mode == ProxyMode::kHeld;
+    if (first) proxy.mode = ProxyMode::kFree;
     const haptic::test::AllocationGuard guard;
-    record = pipeline.tick(input);
+    record = pipeline.tick(input, proxy);
     EXPECT_EQ(guard.allocations() + guard.releases(), 0u);
-    if (first) mode = ProxyMode::kHeld;
     if (replays) {
-      EXPECT_TRUE(identical(again_.tick(record.input), record)) << record.beat.tick;
+      EXPECT_TRUE(identical(again_.tick(record.input, proxy), record)) << record.beat.tick;
     }
+    if (first) proxy.mode = ProxyMode::kHeld;
     return record;
   }
   const TickRecord& run(int ticks) {
@@ -66,7 +64,8 @@ class DrivenPipeline {
 
   Pipeline pipeline;
   TickInput input{};
-  TickRecord record{};  ///< of the last tick
+  ProxySnapshot proxy{};  ///< the client's newest sample
+  TickRecord record{};    ///< of the last tick
   bool replays{true};
 
  protected:

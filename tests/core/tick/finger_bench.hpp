@@ -47,9 +47,9 @@ class Bench : public DrivenPipeline {
 
  protected:
   void prepare() override {
-    input.proxy.mode = mode;
-    input.proxy.x = target;
-    if (shape) input.proxy = shape(input.proxy);
+    proxy.mode = mode;
+    proxy.x = target;
+    if (shape) proxy = shape(proxy);
   }
 };
 

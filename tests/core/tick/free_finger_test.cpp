@@ -226,7 +226,7 @@ class Hand : public DrivenPipeline {
  public:
   Hand(int fingers, RendererKind renderer, ProxyMode mode, bool guard = false)
       : DrivenPipeline(config(equal_fingers(fingers), renderer, guard)) {
-    input.proxy.mode = mode;
+    proxy.mode = mode;
   }
 
  private:
@@ -247,16 +247,15 @@ class Hand : public DrivenPipeline {
     VecX at = angles.head(map.space().n_x());
     EXPECT_EQ(map.inverse(at, input.device.sample.q), InverseStatus::kExact);
     EXPECT_EQ(map.position(input.device.sample.q, at), MapStatus::kOk);
-    ProxySnapshot& p = input.proxy;
-    p.x = at;
-    if (p.mode == ProxyMode::kHeld) {
-      p.x[0] = std::min(at[0], 0.35);
-      p.x[1] = std::min(at[1], 0.45);
+    proxy.x = at;
+    if (proxy.mode == ProxyMode::kHeld) {
+      proxy.x[0] = std::min(at[0], 0.35);
+      proxy.x[1] = std::min(at[1], 0.45);
       return;
     }
-    p.planes.normals = MatXQ::Zero(at.size(), 2);
-    p.planes.normals(0, 0) = p.planes.normals(1, 1) = 1.0;
-    p.planes.offsets = joints(0.35, 0.45);
+    proxy.planes.normals = MatXQ::Zero(at.size(), 2);
+    proxy.planes.normals(0, 0) = proxy.planes.normals(1, 1) = 1.0;
+    proxy.planes.offsets = joints(0.35, 0.45);
   }
 
   int n_{0};

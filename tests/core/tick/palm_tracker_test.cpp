@@ -46,11 +46,11 @@ class Rig : public test::DrivenPipeline {
   Rig() : DrivenPipeline(config_with_tracker()) {
     input.device.sample.q = VecQ::Constant(7, 0.3);
     input.device.sample.q[6] = 0.0;
-    input.proxy.mode = ProxyMode::kPlanes;
-    input.proxy.x = VecX::Zero(7);
-    input.proxy.planes.normals.setZero(7, 1);
-    input.proxy.planes.normals(0, 0) = 1.0;
-    input.proxy.planes.offsets.setZero(1);
+    proxy.mode = ProxyMode::kPlanes;
+    proxy.x = VecX::Zero(7);
+    proxy.planes.normals.setZero(7, 1);
+    proxy.planes.normals(0, 0) = 1.0;
+    proxy.planes.offsets.setZero(1);
     input.tracker.staleness = StalenessLimits{};
     input.tracker.pose = {kPressed, 0.02, 0.03, 0.1, 0.2, 0.3};
   }

@@ -155,10 +155,9 @@ TEST(Pipeline, AnyCourseReplaysBitForBit) {
 TEST(Pipeline, AnyDifferenceIsNoReplay) {
   PipelineBench bench;
   const TickRecord record = bench.engage();
-  void (*const changes[])(TickRecord&) = {
-      [](TickRecord& r) { r.input.proxy.planes.offsets = VecX::Zero(1); },
-      [](TickRecord& r) { r.anchor.active_planes ^= 1u; },
-      [](TickRecord& r) { r.effort.passivity.tank += 1e-18; }};
+  void (*const changes[])(TickRecord&) = {[](TickRecord& r) { r.input.loop.skipped ^= 1u; },
+                                          [](TickRecord& r) { r.anchor.active_planes ^= 1u; },
+                                          [](TickRecord& r) { r.effort.passivity.tank += 1e-18; }};
   EXPECT_TRUE(identical(record, record));
   for (const auto change : changes) {
     TickRecord other = record;

@@ -16,26 +16,27 @@ class ProxyIntakeTest : public testing::Test {
  protected:
   ProxyIntakeTest() {
     in.command.lease_held = true;
-    in.command.tenure = in.proxy.tenure = 1;
-    in.proxy.mode = ProxyMode::kHeld;
-    in.proxy.x = two(0.1, 0.2);
+    in.command.tenure = newest.tenure = 1;
+    newest.mode = ProxyMode::kHeld;
+    newest.x = two(0.1, 0.2);
   }
   ProxyInUse step(LifecycleState last = LifecycleState::kEngaged, int age_ms = 0) {
     in.now += milliseconds(1);
-    in.proxy.born = in.now - milliseconds(age_ms);
-    ++in.proxy.seq;
-    return proxy.step(in, limits, tracker, last);
+    newest.born = in.now - milliseconds(age_ms);
+    ++newest.seq;
+    return proxy.step(in, newest, limits, tracker, last);
   }
   ProxyIntake proxy{2};
   StalenessLimits limits{};
   TrackerRecord tracker{};
+  ProxySnapshot newest{};
   TickInput in{.now = TimePoint(milliseconds(1000))};
 };
 
 TEST_F(ProxyIntakeTest, NewestSampleLeads) {
   const ProxyInUse now = step(LifecycleState::kArmed);
   EXPECT_EQ(now.mode, ProxyMode::kHeld);
-  EXPECT_EQ(now.tenure, in.proxy.tenure);
+  EXPECT_EQ(now.tenure, newest.tenure);
   EXPECT_EQ(now.seq, 1u);
   EXPECT_EQ(now.level, Staleness::kFresh);
   EXPECT_EQ(now.ladder, 1.0);
@@ -44,12 +45,12 @@ TEST_F(ProxyIntakeTest, NewestSampleLeads) {
 
 TEST_F(ProxyIntakeTest, SampleIsReadOnce) {
   static_cast<void>(step(LifecycleState::kArmed));
-  --in.proxy.seq;
-  in.proxy.x = two(0.3, 0.4);
+  --newest.seq;
+  newest.x = two(0.3, 0.4);
   static_cast<void>(step(LifecycleState::kArmed));
   EXPECT_EQ(proxy.sample().x, two(0.1, 0.2));
-  in.proxy.mode = ProxyMode::kPlanes;
-  static_cast<void>(proxy.step(in, limits, tracker, LifecycleState::kArmed));
+  newest.mode = ProxyMode::kPlanes;
+  static_cast<void>(proxy.step(in, newest, limits, tracker, LifecycleState::kArmed));
   EXPECT_EQ(proxy.sample().x, two(0.3, 0.4));
 }
 
@@ -72,8 +73,8 @@ TEST_F(ProxyIntakeTest, LadderIsNeverAboveTheTrackers) {
 
 TEST_F(ProxyIntakeTest, NextLeaseNeverLeadsFadingForce) {
   static_cast<void>(step(LifecycleState::kArmed));
-  in.command.tenure = in.proxy.tenure = 2;
-  in.proxy.x = two(9.0, 9.0);
+  in.command.tenure = newest.tenure = 2;
+  newest.x = two(9.0, 9.0);
   for (const LifecycleState state :
        {LifecycleState::kEngaging, LifecycleState::kEngaged, LifecycleState::kReleasing}) {
     EXPECT_EQ(step(state).seq, 1u) << name(state);
@@ -92,23 +93,23 @@ TEST_F(ProxyIntakeTest, LeaseEndForgetsOnlyWithoutForce) {
 }
 
 TEST_F(ProxyIntakeTest, RefusesASampleOfAnotherTenure) {
-  in.proxy.tenure = 3;
+  newest.tenure = 3;
   EXPECT_EQ(step(LifecycleState::kArmed).mode, ProxyMode::kNone);
 }
 
 TEST_F(ProxyIntakeTest, BadSampleIsNotTaken) {
   static_cast<void>(step());
-  in.proxy.mode = ProxyMode::kPlanes;
-  in.proxy.planes.normals = MatXQ::Identity(2, 2);
-  in.proxy.planes.offsets = two(0.3, 0.4);
-  const ProxySnapshot good = in.proxy;
+  newest.mode = ProxyMode::kPlanes;
+  newest.planes.normals = MatXQ::Identity(2, 2);
+  newest.planes.offsets = two(0.3, 0.4);
+  const ProxySnapshot good = newest;
   static_cast<void>(step(LifecycleState::kArmed));
-  const std::uint64_t taken = in.proxy.seq;
+  const std::uint64_t taken = newest.seq;
   const auto spoil = [&](auto change) {
-    const std::uint64_t seq = in.proxy.seq;
-    in.proxy = good;
-    in.proxy.seq = seq;
-    change(in.proxy);
+    const std::uint64_t seq = newest.seq;
+    newest = good;
+    newest.seq = seq;
+    change(newest);
     return step(LifecycleState::kEngaged).seq;
   };
   EXPECT_EQ(spoil([](ProxySnapshot& p) { p.x = one(0.1); }), taken);
@@ -125,12 +126,12 @@ TEST_F(ProxyIntakeTest, BadSampleIsNotTaken) {
               p.planes.first[1] = 2;
             }),
             taken);
-  EXPECT_EQ(spoil([](ProxySnapshot&) {}), in.proxy.seq) << "and the good one is";
+  EXPECT_EQ(spoil([](ProxySnapshot&) {}), newest.seq) << "and the good one is";
   EXPECT_EQ(spoil([](ProxySnapshot& p) {
               p.mode = ProxyMode::kFree;
               p.x = one(std::nan(""));
             }),
-            in.proxy.seq)
+            newest.seq)
       << "free: x is not read";
 }
 

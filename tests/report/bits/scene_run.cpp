@@ -71,7 +71,7 @@ SceneRun::SceneRun(const server::DeviceScene& scene, const server::LoopScene& lo
   input_.settings = pipeline_.config().scene;
   input_.command.tenure = 1;
   input_.command.lease_held = true;
-  client_.begin_lease(1, input_.proxy);
+  client_.begin_lease(1, proxy_);
   command_.tau_a = core::VecA::Zero(pipeline_.config().kinematics->layout().n_a());
 }
 
@@ -87,8 +87,8 @@ const core::TickRecord& SceneRun::tick() {
   }
   take_reading();
   if (pipeline_.config().tracker) take_pose();
-  client_.step(record_, input_.now, input_.proxy);
-  record_ = pipeline_.tick(input_);
+  client_.step(record_, input_.now, proxy_);
+  record_ = pipeline_.tick(input_, proxy_);
   command_.arm = record_.life.arm;
   command_.tau_a = record_.effort.drive.size() > 0 ? record_.effort.drive : record_.effort.tau_a;
   command_.position = record_.effort.position;
@@ -152,7 +152,7 @@ void SceneRun::act() {
   } else if (event < 0.62) {
     not_finite_ = true;
   } else if (event < 0.65) {
-    client_.begin_lease(++command.tenure, input_.proxy);
+    client_.begin_lease(++command.tenure, proxy_);
   }
 }
 

@@ -43,6 +43,7 @@ class SceneRun {
   core::Pipeline pipeline_;
   TouchingClient client_;
   core::TickInput input_{};
+  core::ProxySnapshot proxy_{};
   core::TickRecord record_{};
   hw::Command command_{};
   core::DeviceReading reading_{};  ///< as the device gave it

@@ -46,12 +46,12 @@ const core::TickRecord& PipelineLoop::tick(const core::VecQ& q) {
   input_.device.sample.seq = static_cast<std::uint64_t>(ticks_);
   input_.device.sample.time = input_.now;
   input_.device.sample.q = q;
-  client_.step(time_s(), input_.now, q, x_probe_, input_.proxy);
-  if (ticks_ == 1 && input_.proxy.mode != core::ProxyMode::kPlanes) {
-    input_.proxy.mode = core::ProxyMode::kFree;  // the probe comes from outside
-    input_.proxy.tenure = input_.command.tenure;
+  client_.step(time_s(), input_.now, q, x_probe_, proxy_);
+  if (ticks_ == 1 && proxy_.mode != core::ProxyMode::kPlanes) {
+    proxy_.mode = core::ProxyMode::kFree;  // the probe comes from outside
+    proxy_.tenure = input_.command.tenure;
   }
-  record_ = pipeline_.tick(input_);
+  record_ = pipeline_.tick(input_, proxy_);
   tau_ = record_.effort.tau_a;
   return record_;
 }

@@ -57,12 +57,14 @@ class PipelineLoop {
   [[nodiscard]] const core::MatXQ& J() const noexcept { return J_; }
   [[nodiscard]] EnergyBook& energy() noexcept { return energy_; }
   [[nodiscard]] const core::TickRecord& record() const noexcept { return record_; }
+  [[nodiscard]] const core::ProxySnapshot& proxy() const noexcept { return proxy_; }
 
  private:
   core::Pipeline pipeline_;
   RemoteClient client_;
   EnergyBook energy_;
   core::TickInput input_{};
+  core::ProxySnapshot proxy_{};
   core::TickRecord record_{};
   core::VecX x_probe_{};
   core::MatXQ J_{};

@@ -37,7 +37,7 @@ class IntakeTest : public testing::Test {
   }
   std::uint64_t used() {
     rig.tick();
-    return rig.newest().input.proxy.seq;
+    return rig.newest().proxy.seq;
   }
   DeviceRig rig{};
   server::Publisher publisher{*rig.owner, {}};

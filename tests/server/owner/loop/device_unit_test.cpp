@@ -40,15 +40,15 @@ TEST(DeviceUnit, AnothersFaultChangesNoBit) {
 
 TEST(DeviceUnit, TickGetsEachMailboxsNewest) {
   haptic::test::DeviceRig rig;
-  haptic::core::ProxySnapshot proxy{.seq = 1};
+  haptic::core::ProxySnapshot proxy{.mode = haptic::core::ProxyMode::kFree, .tenure = 7, .seq = 1};
   rig.unit->proxies.publish(proxy);
   proxy.seq = 2;
   rig.unit->proxies.publish(proxy);
-  haptic::core::CommandSnapshot command{.tenure = 7};
+  haptic::core::CommandSnapshot command{.tenure = 7, .lease_held = true};
   rig.unit->commands.publish(command);
   rig.unit->tick(TimePoint(1h), 1ms, {300us, 4});
   const auto& input = rig.unit->records.front()->input;
-  EXPECT_EQ(input.proxy.seq, 2u);
+  EXPECT_EQ(rig.unit->records.front()->proxy.seq, 2u);
   EXPECT_EQ(input.command.tenure, 7u);
   EXPECT_EQ(input.now, TimePoint(1h));
   EXPECT_EQ(input.loop.lateness, 300us);

@@ -67,7 +67,7 @@ class Pressing {
     if (input_.device.fresh) publish(sample.q);
     if (record_.life.state == LifecycleState::kArmed) ++input_.command.engage_id;
     const double before = drive();
-    record_ = pipeline_.tick(input_);
+    record_ = pipeline_.tick(input_, proxy_);
     if (input_.device.fresh) {
       largest_reading = std::max(largest_reading, std::abs(sample.tau_measured[0]));
       const double now = sample.tau_measured[0];
@@ -113,13 +113,14 @@ class Pressing {
     core::MatXQ J;
     if (ticks_ % every != 0 || q.size() != 2) return;
     if (finger_->evaluate(q, x, J) != core::MapStatus::kOk) return;
-    publish_held(input_, x.cwiseMin(wall));
+    publish_held(input_, x.cwiseMin(wall), proxy_);
   }
 
   std::shared_ptr<const core::Kinematics> finger_;
   VirtualBoard device_;
   core::Pipeline pipeline_;
   core::TickInput input_{};
+  core::ProxySnapshot proxy_{};
   core::TickRecord record_{};
   double reading_{0.0};
   int ticks_{0};

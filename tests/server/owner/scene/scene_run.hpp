@@ -36,7 +36,7 @@ class SceneRun {
     input_.settings = scene.pipeline.scene;
     input_.command.tenure = 1;
     input_.command.lease_held = true;
-    input_.proxy.tenure = 1;
+    proxy_.tenure = 1;
     command_.tau_a = core::VecA::Zero(kinematics_.layout().n_a());
     device_->read(input_.now, input_.device);
     hold(input_.device.sample.q);
@@ -48,10 +48,10 @@ class SceneRun {
   void hold(const core::VecQ& q) {
     mode_ = core::ProxyMode::kHeld;
     core::MatXQ J;
-    ASSERT_EQ(kinematics_.evaluate(q, input_.proxy.x, J), core::MapStatus::kOk);
+    ASSERT_EQ(kinematics_.evaluate(q, proxy_.x, J), core::MapStatus::kOk);
   }
   /// The proxy from now on: `x`, reached by the device or not.
-  void hold_at(const core::VecX& x) { input_.proxy.x = x; }
+  void hold_at(const core::VecX& x) { proxy_.x = x; }
 
   /// One tick, one frame of the client every ten, the first one free. Nothing in it may allocate.
   const core::TickRecord& tick() {
@@ -60,7 +60,7 @@ class SceneRun {
     if (++ticks_ % 10 == 1) publish();
     device_->read(input_.now, input_.device);
     if (const auto& tracker = pipeline_.config().tracker) track(tracker->first_dof);
-    record_ = pipeline_.tick(input_);
+    record_ = pipeline_.tick(input_, proxy_);
     command_.arm = record_.life.arm;
     command_.tau_a = record_.effort.tau_a;
     device_->write(input_.now, command_);
@@ -85,11 +85,10 @@ class SceneRun {
 
  private:
   void publish() {
-    core::ProxySnapshot& proxy = input_.proxy;
-    if (proxy.gapless_samples == 0) proxy.gapless_since = input_.now;
-    proxy.mode = ++proxy.seq == 1 ? core::ProxyMode::kFree : mode_;
-    ++proxy.gapless_samples;
-    proxy.born = input_.now;
+    if (proxy_.gapless_samples == 0) proxy_.gapless_since = input_.now;
+    proxy_.mode = ++proxy_.seq == 1 ? core::ProxyMode::kFree : mode_;
+    ++proxy_.gapless_samples;
+    proxy_.born = input_.now;
   }
 
   /// The tracker of the palm says what the device says.
@@ -106,6 +105,7 @@ class SceneRun {
   core::Pipeline pipeline_;
   const core::Kinematics& kinematics_;
   core::TickInput input_{.now = core::TimePoint(std::chrono::seconds(100))};
+  core::ProxySnapshot proxy_{};
   core::ProxyMode mode_{core::ProxyMode::kHeld};  ///< of all samples but the first
   core::TickRecord record_{};
   hw::Command command_{};

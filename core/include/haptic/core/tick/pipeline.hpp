@@ -65,9 +65,9 @@ class Pipeline {
   Pipeline(Pipeline&&) noexcept;
   Pipeline& operator=(Pipeline&&) noexcept;
 
-  /// Allocates nothing, locks nothing, logs nothing, throws nothing, reads no clock. From the same
-  /// initial state the same inputs give the same bits.
-  [[nodiscard]] TickRecord tick(const TickInput& input) noexcept;
+  /// `newest`: sample of the proxy. Allocates nothing, locks nothing, logs nothing, throws nothing,
+  /// reads no clock. From the same initial state the same inputs give the same bits.
+  [[nodiscard]] TickRecord tick(const TickInput& input, const ProxySnapshot& newest) noexcept;
 
   [[nodiscard]] const PipelineConfig& config() const noexcept;
 

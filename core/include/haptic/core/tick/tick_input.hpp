@@ -1,10 +1,9 @@
 #pragma once
-/// Everything one tick depends on. The record of a run is the sequence of these.
+/// Everything one tick depends on, besides the newest sample of the proxy.
 
 #include <array>
 #include <cstdint>
 
-#include "haptic/core/contacts/proxy_snapshot.hpp"
 #include "haptic/core/fault.hpp"
 #include "haptic/core/rendering/renderer_kind.hpp"
 #include "haptic/core/safety/staleness.hpp"
@@ -87,7 +86,6 @@ struct TickInput {
   Duration period{std::chrono::milliseconds(1)};
   LoopReport loop{};
   DeviceReading device{};
-  ProxySnapshot proxy{};
   TrackerSnapshot tracker{};  ///< only if the scene has a tracker
   CommandSnapshot command{};
   RenderSettings settings{};

@@ -1,6 +1,7 @@
 #pragma once
-/// Record of one tick: its whole input and its whole answer. A run is replayed from these, and the
-/// two records of a tick must be the same to the bit.
+/// Record of one tick: its whole answer, and its input but for the proxy's sample, which is large
+/// and has a number. A run is replayed from these and the samples, and the two records of a tick
+/// must be the same to the bit.
 
 #include <array>
 #include <cstdint>

@@ -122,11 +122,7 @@ void App::listen_to_devices() {
     const NewFile file = create_file(record_file(scene_, i), scene_.record->overwrite);
     spdlog::info("{}: recorded in {}", device.name, file.path.string());
     recorders_.push_back(std::make_unique<Recorder>(
-        file, *device.pipeline.kinematics,
-        [this, i](const core::TickRecord& /*record*/) -> const v1::DeviceState& {
-          return owner_->newest(i);
-        },
-        comparison(*scene_.record, device)));
+        file, *device.pipeline.kinematics, owner_->newest(i), comparison(*scene_.record, device)));
     telemetry_->add(i, recorders_.back().get());
   }
 }

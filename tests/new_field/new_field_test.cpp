@@ -93,9 +93,7 @@ TEST(NewField, IsAColumnOfRecordings) {
   const std::string path = HAPTIC_STATE_BYTES ".csv";
   const v1::DeviceState made = message();
   {
-    server::Recorder recorder(
-        server::create_file(path, true), *finger,
-        [&made](const core::TickRecord&) -> const v1::DeviceState& { return made; });
+    server::Recorder recorder(server::create_file(path, true), *finger, made);
     recorder.on_record(record());
   }
   std::ifstream file(path);

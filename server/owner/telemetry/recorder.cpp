@@ -119,12 +119,12 @@ std::string Recorder::header(const core::Kinematics& kinematics, bool compare) {
   return line;
 }
 
-Recorder::Recorder(const NewFile& file, const core::Kinematics& kinematics, StateOf state_of,
-                   std::unique_ptr<RendererComparison> comparison)
+Recorder::Recorder(const NewFile& file, const core::Kinematics& kinematics,
+                   const v1::DeviceState& state, std::unique_ptr<RendererComparison> comparison)
     : labels_(labels_of(kinematics)),
       leaves_(schema::leaves(*v1::DeviceState::descriptor())),
       comparison_(std::move(comparison)),
-      state_of_(std::move(state_of)),
+      state_(state),
       file_(file) {
   static_cast<void>(file_.append(header(kinematics, comparison_ != nullptr) + '\n'));
 }
@@ -147,11 +147,10 @@ void Recorder::on_record(const core::TickRecord& record) {
 }
 
 void Recorder::compose(const core::TickRecord& record) {
-  const v1::DeviceState& state = state_of_(record);
   row_.clear();
   Row row(row_);
   row.number(core::seconds(record.input.now - *start_));
-  for (const schema::Leaf& leaf : leaves_) row.field(state, leaf, labels_.of(leaf.axis).size());
+  for (const schema::Leaf& leaf : leaves_) row.field(state_, leaf, labels_.of(leaf.axis).size());
   row.number(record.life.damping_gain);
   const core::VecA& damping = record.effort.tau_damping;
   row.vector(damping);

@@ -21,7 +21,6 @@
 /// Numbers read back to the same bits. Enum values stand by name without their prefix, NONE for
 /// UNSPECIFIED; bits by name, joined by '|'. A field that is absent has empty cells.
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,11 +37,9 @@ namespace haptic::server {
 
 class Recorder final : public RecordListener {
  public:
-  /// The state of the newest record.
-  using StateOf = std::function<const v1::DeviceState&(const core::TickRecord&)>;
-
-  /// Takes `file` over. `comparison` absent: no columns of the other renderers.
-  Recorder(const NewFile& file, const core::Kinematics& kinematics, StateOf state_of,
+  /// Takes `file` over. `state`: of the record that comes next, each time. `comparison` absent: no
+  /// columns of the other renderers.
+  Recorder(const NewFile& file, const core::Kinematics& kinematics, const v1::DeviceState& state,
            std::unique_ptr<RendererComparison> comparison = nullptr);
   /// Writes what is left and closes. The recorder must have been removed from the telemetry.
   ~Recorder() override;
@@ -67,7 +64,7 @@ class Recorder final : public RecordListener {
   const schema::Labels labels_;
   const std::vector<schema::Leaf> leaves_;
   const std::unique_ptr<RendererComparison> comparison_;
-  const StateOf state_of_;
+  const v1::DeviceState& state_;
   BackgroundFile file_;
   std::string row_;  ///< kept for its capacity
   std::uint64_t rows_{0};

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <memory>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -61,15 +60,6 @@ std::vector<std::map<std::string, std::string>> read_csv(const std::filesystem::
     }
   }
   return rows;
-}
-
-/// The state as the owner has it, without carrier and lease.
-Recorder::StateOf states() {
-  return [state = std::make_shared<haptic::v1::DeviceState>()](
-             const TickRecord& record) -> const haptic::v1::DeviceState& {
-    haptic::server::write({record}, *state);
-    return *state;
-  };
 }
 
 TEST(Recorder, HeaderNamesDofsAndUnits) {
@@ -141,13 +131,11 @@ TEST(Recorder, CellsSayWhatTheStateSays) {
   const TemporaryFile file;
   {
     haptic::v1::DeviceState state;
-    Recorder recorder(emptied(file), *rig_config().kinematics,
-                      [&](const TickRecord& record) -> const haptic::v1::DeviceState& {
-                        haptic::server::write({record, haptic::server::Carrier::kUdp, 9}, state);
-                        return state;
-                      });
-    recorder.on_record(record_with_everything());
-    recorder.on_record({});
+    Recorder recorder(emptied(file), *rig_config().kinematics, state);
+    for (const TickRecord& record : {record_with_everything(), TickRecord{}}) {
+      haptic::server::write({record, haptic::server::Carrier::kUdp, 9}, state);
+      recorder.on_record(record);
+    }
   }
   auto rows = read_csv(file.path());
   const std::pair<const char*, const char*> cells[] = {
@@ -191,8 +179,8 @@ TEST(Recorder, CellsSayWhatTheStateSays) {
 
 /// /dev/full takes nothing, as a full disk.
 TEST(Recorder, FullDiskRowsAreCounted) {
-  Recorder recorder({"/dev/full", ::open("/dev/full", O_WRONLY)}, *rig_config().kinematics,
-                    states());
+  const haptic::v1::DeviceState state;
+  Recorder recorder({"/dev/full", ::open("/dev/full", O_WRONLY)}, *rig_config().kinematics, state);
   const TickRecord record = record_with_everything();
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (recorder.lost() == 0 && std::chrono::steady_clock::now() < give_up) {
@@ -209,7 +197,7 @@ TEST(Recorder, ReplayedDevicePlaysARecording) {
   const TemporaryFile file;
   {
     DeviceRig rig;
-    Recorder recorder(emptied(file), *rig_config().kinematics, states());
+    Recorder recorder(emptied(file), *rig_config().kinematics, rig.owner->newest(0));
     rig.telemetry->add(0, &recorder);
     rig.tick(10);
     rig.telemetry->remove(0, &recorder);

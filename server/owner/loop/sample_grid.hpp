@@ -26,9 +26,6 @@ namespace haptic::server {
 
 class SampleGrid {
  public:
-  /// With the patience of a quarter of a period.
-  SampleGrid(core::TimePoint first, core::Duration period)
-      : SampleGrid(first, period, period / 4) {}
   /// `first`: when the first sample is expected, or the timer's first tick. period > 0;
   /// 0 <= patience <= period / 2, 0 for the timer alone.
   SampleGrid(core::TimePoint first, core::Duration period, core::Duration patience)

@@ -26,7 +26,7 @@ SampleGrid::Tick silent(SampleGrid& grid) {
 }
 
 TEST(SampleGrid, SampleMakesATickOnTime) {
-  SampleGrid grid(kFirst, kPeriod);
+  SampleGrid grid(kFirst, kPeriod, kPeriod / 4);
   // A board whose clock is 2 % slow: the loop follows it, and its timer never has to help.
   for (int i = 0; i < 1000; ++i) {
     const TimePoint arrival = kFirst + i * 1020us;
@@ -41,7 +41,7 @@ TEST(SampleGrid, SampleMakesATickOnTime) {
 }
 
 TEST(SampleGrid, SilentDeviceIsTickedByTimer) {
-  SampleGrid grid(kFirst, kPeriod);
+  SampleGrid grid(kFirst, kPeriod, kPeriod / 4);
   static_cast<void>(on_time(grid, kFirst + 100us));
   for (int i = 1; i <= 1000; ++i) {
     EXPECT_EQ(grid.latest(), kFirst + 100us + i * kPeriod + 250us);
@@ -53,7 +53,7 @@ TEST(SampleGrid, SilentDeviceIsTickedByTimer) {
 }
 
 TEST(SampleGrid, OneLostSampleDelaysNoOther) {
-  SampleGrid grid(kFirst, kPeriod);
+  SampleGrid grid(kFirst, kPeriod, kPeriod / 4);
   static_cast<void>(on_time(grid, kFirst));
   static_cast<void>(silent(grid));
   EXPECT_LE(grid.earliest(), kFirst + 2ms);
@@ -65,7 +65,7 @@ TEST(SampleGrid, OneLostSampleDelaysNoOther) {
 
 TEST(SampleGrid, FollowsAReturningDeviceInTime) {
   for (Duration phase = 0us; phase < kPeriod; phase += 10us) {
-    SampleGrid grid(kFirst, kPeriod);
+    SampleGrid grid(kFirst, kPeriod, kPeriod / 4);
     for (int i = 0; i < 20; ++i) static_cast<void>(silent(grid));
     // Its samples: the first one within the millisecond after the last of the timer's ticks.
     TimePoint sample = grid.latest() - kPeriod + phase;
@@ -93,7 +93,7 @@ TEST(SampleGrid, PunctualSampleNeverWaits) {
 }
 
 TEST(SampleGrid, HeapedSamplesMakeNoBurst) {
-  SampleGrid grid(kFirst, kPeriod);
+  SampleGrid grid(kFirst, kPeriod, kPeriod / 4);
   TimePoint last = kFirst;
   static_cast<void>(on_time(grid, last));
   // A board gone mad: a sample every 20 us.
@@ -106,7 +106,7 @@ TEST(SampleGrid, HeapedSamplesMakeNoBurst) {
 }
 
 TEST(SampleGrid, LatenessCountsFromTheSample) {
-  SampleGrid grid(kFirst, kPeriod);
+  SampleGrid grid(kFirst, kPeriod, kPeriod / 4);
   const SampleGrid::Tick tick = grid.wake(kFirst + 300us, 0ns, kFirst - 100us);
   EXPECT_TRUE(tick.by_sample);
   EXPECT_EQ(tick.report.lateness, 400us);
@@ -116,7 +116,7 @@ TEST(SampleGrid, LatenessCountsFromTheSample) {
 }
 
 TEST(SampleGrid, WaitingSampleIsNoLateTick) {
-  SampleGrid grid(kFirst, kPeriod);
+  SampleGrid grid(kFirst, kPeriod, kPeriod / 4);
   static_cast<void>(on_time(grid, kFirst));
   const SampleGrid::Tick tick = grid.wake(kFirst + 790us, 0ns, kFirst + 200us);
   EXPECT_TRUE(tick.by_sample);
@@ -124,14 +124,14 @@ TEST(SampleGrid, WaitingSampleIsNoLateTick) {
 }
 
 TEST(SampleGrid, LateSampleIsTheTimersTick) {
-  SampleGrid grid(kFirst, kPeriod);
+  SampleGrid grid(kFirst, kPeriod, kPeriod / 4);
   const SampleGrid::Tick tick = grid.wake(kFirst + 400us, 0ns, kFirst + 350us);
   EXPECT_FALSE(tick.by_sample);
   EXPECT_EQ(tick.report.lateness, 150us) << "of kFirst + 250 us";
 }
 
 TEST(SampleGrid, LatePeriodsTickOnceAndCount) {
-  SampleGrid grid(kFirst, kPeriod);
+  SampleGrid grid(kFirst, kPeriod, kPeriod / 4);
   const SampleGrid::Tick tick = grid.wake(kFirst + 3700us, 0ns, kFirst);
   EXPECT_EQ(tick.report.lateness, 3700us);
   EXPECT_EQ(tick.report.skipped, 3u);

@@ -40,7 +40,7 @@ engine=
 base=
 for part in engine image staleness shutdown relay package haproxy hosts; do
   # shellcheck source=/dev/null
-  . "$root/docker/test/$part.sh"
+  . "$root/tests/container/$part.sh"
 done
 
 collect() { # the output of the containers that still run; that of the others is collected already

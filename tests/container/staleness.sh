@@ -8,7 +8,7 @@ mark() { marked=$(date -u +%Y-%m-%dT%H:%M:%S.%NZ); }
 observed() { # observed COMMAND [ARGUMENT]
   "$engine" logs ${marked:+--since "$marked"} "$(container observer)" 2>/dev/null \
     >"$scratch/records"
-  python3 "$root/docker/test/contract.py" "$1" "$scratch/records" "${@:2}"
+  python3 "$root/tests/container/contract.py" "$1" "$scratch/records" "${@:2}"
 }
 judge() { # judge WHAT COMMAND [ARGUMENT...]: printed, or the end
   local what=$1
@@ -27,7 +27,7 @@ is_pressing() {
     "$engine" start "$id" >/dev/null
   fi
   "$engine" logs --tail 3 "$(container observer)" 2>/dev/null >"$scratch/tail"
-  python3 "$root/docker/test/contract.py" pressing "$scratch/tail"
+  python3 "$root/tests/container/contract.py" pressing "$scratch/tail"
 }
 
 simulate() { # simulate [SERVER [CARRIERS]]: a simulation in the place of any other

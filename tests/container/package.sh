@@ -12,7 +12,7 @@ test_packages() {
   rm -rf "$debs/_CPack_Packages" "$debs"/libhaptic*-dev_*
   chmod -R a+rX "$scratch"
   "$engine" run --rm --name "${project}_clean" --label "com.docker.compose.project=$project" \
-    --volume "$debs:/debs:ro" --volume "$root/docker/test/use_packages.sh:/use_packages.sh:ro" \
+    --volume "$debs:/debs:ro" --volume "$root/tests/container/use_packages.sh:/use_packages.sh:ro" \
       "$base" \
     sh /use_packages.sh >"$logs/packages.log" 2>&1 || {
     tail -n 20 "$logs/packages.log" >&2

@@ -1,39 +1,33 @@
 /** Unary calls: the Connect protocol's unary form (proto/README.md#the-web). */
-import { create, fromBinary, fromJsonString, toBinary, toJsonString } from "@bufbuild/protobuf";
-import type { DescMessage, MessageInitShape, MessageShape } from "@bufbuild/protobuf";
+import type {
+  DescMessage, DescMethodUnary, MessageInitShape, MessageShape,
+} from "@bufbuild/protobuf";
+import { ConnectError } from "@connectrpc/connect";
+import type { Transport } from "@connectrpc/connect";
 import { transport } from "#transport";
-import { httpError, localError } from "./errors.js";
+import { callError, localError } from "./errors.js";
 import type { Format } from "./stream.js";
+import { bearer } from "./transport.js";
 import type { Target } from "./transport.js";
 
-/** A method of a service; generated descriptors are such. */
-export interface Method<I extends DescMessage, O extends DescMessage> {
-  parent: { typeName: string };
-  name: string;
-  input: I;
-  output: O;
-}
-
 export class Calls {
-  constructor(readonly target: Target, readonly format: Format, readonly timeoutMs: number) {}
+  readonly #calls: Transport;
+
+  constructor(readonly target: Target, readonly format: Format, readonly timeoutMs: number) {
+    this.#calls = transport.calls(target, format === "binary");
+  }
 
   /** Rejects with ClientError. */
   async call<I extends DescMessage, O extends DescMessage>(
-    method: Method<I, O>, request: MessageInitShape<I>): Promise<MessageShape<O>> {
-    const message = create(method.input, request);
-    const json = this.format === "json";
-    const answer = await transport.post(
-      this.target, `/${method.parent.typeName}/${method.name}`,
-      json ? "application/json" : "application/proto",
-      json ? toJsonString(method.input, message) : toBinary(method.input, message),
-      this.timeoutMs);
-    if (answer.status !== 200) throw httpError(answer.status, answer.body);
+    method: DescMethodUnary<I, O>, request: MessageInitShape<I>): Promise<MessageShape<O>> {
+    const { target, timeoutMs } = this, late = AbortSignal.timeout(timeoutMs);
     try {
-      return json ? fromJsonString(method.output, new TextDecoder().decode(answer.body),
-                                   { ignoreUnknownFields: true })
-                  : fromBinary(method.output, answer.body);
+      return (await this.#calls.unary(method, late, undefined, bearer(target), request)).message;
     } catch (error) {
-      throw localError("internal", `an answer that is none: ${String(error)}`);
+      if (late.aborted) throw localError("deadline_exceeded", `no answer in ${timeoutMs} ms`);
+      const why = ConnectError.from(error);
+      if (why.cause === undefined) throw callError(why);
+      throw localError("unavailable", `no answer from ${target.url}: ${why.rawMessage}`);
     }
   }
 }

@@ -2,9 +2,7 @@
 import { transport } from "#transport";
 import { Calls } from "./calls.js";
 import { localError } from "./errors.js";
-import {
-  HealthCheckRequestSchema, HealthCheckResponse_ServingStatus, HealthCheckResponseSchema,
-} from "./gen/grpc/health/v1/health_pb.js";
+import { Health, HealthCheckResponse_ServingStatus } from "./gen/grpc/health/v1/health_pb.js";
 import { HapticService } from "./gen/haptic/v1/haptic_service_pb.js";
 import type { Device, GetLinkStatsResponse, GetServerInfoResponse }
   from "./gen/haptic/v1/haptic_service_pb.js";
@@ -12,10 +10,6 @@ import { Session } from "./session.js";
 import type { SessionOptions } from "./session_options.js";
 import type { Format } from "./stream.js";
 import type { TlsOptions } from "./transport.js";
-
-/** The call of gRPC's health service; proto/grpc has its messages only. */
-const CHECK = { parent: { typeName: "grpc.health.v1.Health" }, name: "Check",
-  input: HealthCheckRequestSchema, output: HealthCheckResponseSchema };
 
 export interface ConnectionOptions {
   /** A token of the server's scene. A page that hapticd serves needs none: its cookie counts. */
@@ -81,7 +75,7 @@ export class Connection {
 
   /** True if the device is open and its loop is on time; without one, if that holds for all. */
   async healthy(device = ""): Promise<boolean> {
-    const answer = await this.#calls.call(CHECK, { service: device });
+    const answer = await this.#calls.call(Health.method.check, { service: device });
     return answer.status === HealthCheckResponse_ServingStatus.SERVING;
   }
 }

@@ -1,6 +1,6 @@
 /** The one error of the library, from a Connect error or from the close of a session. */
-import { fromBinary } from "@bufbuild/protobuf";
-import { base64Decode } from "@bufbuild/protobuf/wire";
+import { ConnectError } from "@connectrpc/connect";
+import { codeFromHttpStatus, errorFromJsonBytes } from "@connectrpc/connect/protocol-connect";
 import { ErrorInfoSchema } from "./gen/google/rpc/error_details_pb.js";
 
 /** The canonical codes in the order of their numbers, named as Connect names them. */
@@ -49,34 +49,19 @@ export function closeError(closeCode: number, text: string): ClientError {
   return new ClientError(code, reason ?? code.toUpperCase(), message ?? (text || code));
 }
 
-const BY_STATUS: Record<number, Code> = {
-  400: "internal", 401: "unauthenticated", 403: "permission_denied", 404: "unimplemented",
-  429: "unavailable", 502: "unavailable", 503: "unavailable", 504: "unavailable",
-};
-
-/** Text of a refused call: `{"code": ..., "message": ..., "details": [...]}`, or, if something
- * else than hapticd answered, the HTTP status. */
-export function httpError(status: number, body: Uint8Array): ClientError {
-  let said: { code?: unknown; message?: unknown; details?: unknown } = {};
-  const text = new TextDecoder().decode(body);
-  try {
-    said = Object(JSON.parse(text));
-  } catch {
-    // not JSON: a proxy's page, for example
-  }
-  const code = CODES.find((known) => known === said.code) ?? BY_STATUS[status] ?? "unknown";
-  const message = typeof said.message === "string" ? said.message : `HTTP status ${status}`;
-  return new ClientError(code, reasonIn(said.details) ?? code.toUpperCase(), message);
+/** Why a call failed. */
+export function callError(error: ConnectError): ClientError {
+  const code = CODES[error.code] ?? "unknown";
+  const reason = error.findDetails(ErrorInfoSchema)[0]?.reason || code.toUpperCase();
+  return new ClientError(code, reason, error.rawMessage);
 }
 
-function reasonIn(details: unknown): string | undefined {
-  for (const detail of Array.isArray(details) ? details : []) {
-    if (detail?.type !== "google.rpc.ErrorInfo" || typeof detail.value !== "string") continue;
-    try {
-      return fromBinary(ErrorInfoSchema, base64Decode(detail.value)).reason || undefined;
-    } catch {
-      return undefined;
-    }
+/** The same of an answer to something else than a call: `body` may be a Connect error. */
+export function httpError(status: number, body: Uint8Array): ClientError {
+  const plain = new ConnectError(`HTTP status ${status}`, codeFromHttpStatus(status));
+  try {
+    return callError(errorFromJsonBytes(body, undefined, plain));
+  } catch {  // not JSON: a proxy's page, for example
+    return callError(plain);
   }
-  return undefined;
 }

@@ -1,6 +1,6 @@
 /** The difference between a browser and Node: HTTP requests and WebSockets. package.json chooses
  * the module (`#transport`), so that a browser's bundle does not contain Node's. */
-
+import type { Transport as Calls } from "@connectrpc/connect";
 import type { ClientError } from "./errors.js";
 
 export interface TlsOptions {
@@ -19,10 +19,8 @@ export interface Target {
   readonly tls: TlsOptions | undefined;
 }
 
-export interface Answer {
-  status: number;
-  body: Uint8Array;
-}
+export const bearer = ({ token }: Target): Record<string, string> =>
+  token === undefined ? {} : { "Authorization": `Bearer ${token}` };
 
 /** Events of a socket; `close` comes once and last. */
 export interface SocketListener {
@@ -41,9 +39,7 @@ export interface Socket {
 
 export interface Transport {
   defaultUrl(): string;
-  /** POST. Rejects if there is no answer. */
-  post(target: Target, path: string, type: string, body: string | Uint8Array,
-       timeoutMs: number): Promise<Answer>;
+  calls(target: Target, useBinaryFormat: boolean): Calls;
   connect(target: Target, path: string, protocol: string, listener: SocketListener): Socket;
   /** Calls `act` when the messages that are here already were taken. */
   afterMessages(act: () => void): void;

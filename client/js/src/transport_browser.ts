@@ -1,25 +1,11 @@
 /** HTTP and WebSockets of a browser. A page that hapticd serves needs no token: it has a cookie. */
-import { localError } from "./errors.js";
-import type { Answer, Socket, SocketListener, Target, Transport } from "./transport.js";
+import { createConnectTransport } from "@connectrpc/connect-web";
+import type { Socket, SocketListener, Target, Transport } from "./transport.js";
 
 export const transport: Transport = {
   defaultUrl: () => globalThis.location.origin,
 
-  async post(target, path, type, body, timeoutMs): Promise<Answer> {
-    const headers: Record<string, string> = { "Content-Type": type };
-    if (target.token !== undefined) headers["Authorization"] = `Bearer ${target.token}`;
-    try {
-      const response = await fetch(target.url + path, {
-        method: "POST", headers, body: body as BodyInit, signal: AbortSignal.timeout(timeoutMs),
-      });
-      return { status: response.status, body: new Uint8Array(await response.arrayBuffer()) };
-    } catch (error) {
-      if (error instanceof DOMException && error.name === "TimeoutError") {
-        throw localError("deadline_exceeded", `no answer in ${timeoutMs} ms`);
-      }
-      throw localError("unavailable", `no answer from ${target.url}`);
-    }
-  },
+  calls: ({ url }, useBinaryFormat) => createConnectTransport({ baseUrl: url, useBinaryFormat }),
 
   afterMessages(act): void {
     const { port1, port2 } = new MessageChannel();  // setTimeout would take 4 ms

@@ -20,7 +20,7 @@ function installed(t) {
     execFileSync("npm", ["pack", "--json", "--pack-destination", root], { cwd: folder }));
   execFileSync("tar", ["xzf", path.join(root, filename), "--strip-components=1",
                        "-C", path.join(modules, "hapticd")]);
-  for (const name of ["@bufbuild", "ws"]) {
+  for (const name of ["@bufbuild", "@connectrpc", "ws"]) {
     fs.symlinkSync(path.join(folder, "node_modules", name), path.join(modules, name));
   }
   return root;

@@ -40,7 +40,8 @@ const state = (seq, value) =>
 const listed = toBinary(ListDevicesResponseSchema, create(ListDevicesResponseSchema, {
   devices: [{ name: "finger", coordinates: [{ name: "a" }, { name: "b" }] }] }));
 const answer = (body, head = "") => Buffer.concat([Buffer.from(
-  `HTTP/1.1 200 OK\r\nContent-Length: ${body.length}\r\nConnection: close\r\n${head}\r\n`), body]);
+  "HTTP/1.1 200 OK\r\nContent-Type: application/proto\r\n" +
+  `Content-Length: ${body.length}\r\nConnection: close\r\n${head}\r\n`), body]);
 
 /** Sends `bytes` again and again until the other end is gone. */
 async function endless(socket, bytes, pauseMs = 0) {
@@ -153,13 +154,17 @@ for (const [name, call, code] of [
   ["an upgrade", (socket) => socket.write(agreed("sec-websocket-key: x", "p")),
    "deadline_exceeded"],
   ["slow bytes", (socket) => {
-    socket.write("HTTP/1.1 200 OK\r\nContent-Length: 99999\r\n\r\n");
+    socket.write("HTTP/1.1 200 OK\r\nContent-Type: application/proto\r\n" +
+                 "Content-Length: 99999\r\n\r\n");
     return endless(socket, "x", 5);
   }, "deadline_exceeded"],
   ["in chunks without an end", (socket) => {
-    socket.write("HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n");
+    socket.write("HTTP/1.1 200 OK\r\nContent-Type: application/proto\r\n" +
+                 "Transfer-Encoding: chunked\r\n\r\n");
     return endless(socket, `${(MB).toString(16)}\r\n${"x".repeat(MB)}\r\n`);
-  }, "unavailable"],
+  }, "resource_exhausted"],
+  ["a page", (socket) => socket.end("HTTP/1.1 200 OK\r\nContent-Type: text/html\r\n\r\n<p>"),
+   "unknown"],
   ["100 again and again", (socket) => endless(socket, "HTTP/1.1 100 Continue\r\n\r\n", 1),
    "deadline_exceeded"],
 ]) {

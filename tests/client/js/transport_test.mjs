@@ -9,9 +9,13 @@ import { part } from "./package_under_test.mjs";
 
 const { WebSocketServer } = createRequire(process.env.HAPTICD_JS + "/")("ws");
 const { transport } = await part("transport_node.js");
+const { Calls } = await part("calls.js");
+const { HapticService } = await part("gen/haptic/v1/haptic_service_pb.js");
 const { Stream } = await part("stream.js");
 
 const targetOf = (server) => ({ url: `http://127.0.0.1:${server.address().port}` });
+const listed = (server, timeoutMs) =>
+  new Calls(targetOf(server), "binary", timeoutMs).call(HapticService.method.listDevices, {});
 
 /** A server of WebSockets; it ends with the test `t`. */
 async function listen(t, options = {}) {
@@ -120,6 +124,7 @@ test("the newest sample waits for the network", async (t) => {
 
 test("an answer is bounded", async (t) => {
   const server = http.createServer((_, response) => {
+    response.setHeader("Content-Type", "application/proto");
     const chunk = Buffer.alloc(1 << 20);
     for (let i = 0; i < 6; ++i) response.write(chunk);
     response.end();
@@ -128,8 +133,7 @@ test("an answer is bounded", async (t) => {
   t.after(() => server.close());
   server.listen(0, "127.0.0.1");
   await once(server, "listening");
-  await assert.rejects(transport.post(targetOf(server), "/x", "application/json", "{}", 5000),
-                       { code: "unavailable" });
+  await assert.rejects(listed(server, 5000), { code: "resource_exhausted" });
 });
 
 test("silence ends a call", async (t) => {
@@ -138,6 +142,5 @@ test("silence ends a call", async (t) => {
   t.after(() => server.close());
   server.listen(0, "127.0.0.1");
   await once(server, "listening");
-  await assert.rejects(transport.post(targetOf(server), "/x", "application/json", "{}", 50),
-                       { code: "deadline_exceeded" });
+  await assert.rejects(listed(server, 50), { code: "deadline_exceeded" });
 });

@@ -1,18 +1,8 @@
-// Short ways to the document.
+// Short ways to the document. lit-html makes what changes, and touches only what differs.
 
-type Child = Node | string;
+import { html, render, type TemplateResult } from "lit-html";
 
-/** A new element: `h("p", { class: "note" }, "text")`. */
-export function h<K extends keyof HTMLElementTagNameMap>(
-  tag: K,
-  attributes: Record<string, string> = {},
-  ...children: Child[]
-): HTMLElementTagNameMap[K] {
-  const made = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  made.append(...children);
-  return made;
-}
+export { html, render };
 
 /** The element of index.html with this id. */
 export function at<T extends HTMLElement = HTMLElement>(id: string): T {
@@ -23,7 +13,8 @@ export function at<T extends HTMLElement = HTMLElement>(id: string): T {
 
 /** A colour of the page's theme as it is now: "rgb(0, 90, 140)" of "--link". */
 export function colour(name: string): string {
-  const probe = h("span", { style: `color: var(${name})` });
+  const probe = document.createElement("span");
+  probe.style.color = `var(${name})`;
   document.body.append(probe);
   const { color } = getComputedStyle(probe);
   probe.remove();
@@ -36,14 +27,6 @@ export function say(element: Element, text: string): void {
 }
 
 /** The children of a `dl`. */
-export function facts(list: readonly [string, string][]): Child[] {
-  return list.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]);
-}
-
-/** Makes the children again only if `told`, which they tell, differs from the last time. */
-export function fill(element: HTMLElement, told: unknown, make: () => Child[]): void {
-  const key = JSON.stringify(told);
-  if (element.dataset.key === key) return;
-  element.dataset.key = key;
-  element.replaceChildren(...make());
+export function facts(list: readonly [string, string][]): TemplateResult[] {
+  return list.map(([name, value]) => html`<dt>${name}</dt><dd>${value}</dd>`);
 }

@@ -1,7 +1,7 @@
 // Which device is shown. The address remembers it: #device=NAME.
 
 import type { Device } from "hapticd";
-import { at, h } from "../dom";
+import { at, html, render } from "../dom";
 
 const KEY = "device";
 
@@ -26,7 +26,7 @@ export class Chooser {
 
   /** The device that the address names, else the first. */
   offer(devices: readonly Device[]): Device | undefined {
-    this.select.replaceChildren(...devices.map(({ name }) => h("option", { value: name }, name)));
+    render(devices.map(({ name }) => html`<option value=${name}>${name}</option>`), this.select);
     at("chooser-label").hidden = devices.length < 2;
     const chosen = devices.find(({ name }) => name === remembered()) ?? devices[0];
     if (chosen) this.select.value = chosen.name;

@@ -1,25 +1,31 @@
 // "What happened": the newest events of the device.
 
 import { Event_Kind, type Event } from "hapticd";
-import { at, h } from "../dom";
+import { repeat } from "lit-html/directives/repeat.js";
+import { at, html, render } from "../dom";
 import { changeWords } from "../words/state";
 
 const KEPT = 50;
 
 export class Events {
-  private readonly list = at("events");
+  private told: { time: Date; words: string }[] = [];
 
   show(): void {
-    this.list.replaceChildren(h("li", { class: "help" }, "Nothing since this page opened."));
+    this.told = [];
+    this.draw();
   }
 
   add(event: Event): void {
     if (event.kind === Event_Kind.STALENESS) return; // several per second; a trace has it
-    if (!this.list.querySelector("time")) this.list.replaceChildren();
-    const now = new Date();
-    const time = h("time", { datetime: now.toISOString() }, now.toLocaleTimeString());
-    this.list.prepend(h("li", {}, time, h("span", {}, words(event))));
-    while (this.list.childElementCount > KEPT) this.list.lastElementChild!.remove();
+    this.told = [{ time: new Date(), words: words(event) }, ...this.told].slice(0, KEPT);
+    this.draw();
+  }
+
+  private draw(): void {
+    const none = html`<li class="help">Nothing since this page opened.</li>`;
+    render(this.told.length === 0 ? none : repeat(this.told, (one) => one, ({ time, words }) =>
+      html`<li><time datetime=${time.toISOString()}>${time.toLocaleTimeString()}</time>
+        <span>${words}</span></li>`), at("events"));
   }
 }
 

@@ -1,7 +1,7 @@
 // The card "Server".
 
 import type { Device, GetServerInfoResponse } from "hapticd";
-import { at, facts, fill, say } from "../dom";
+import { at, facts, render, say } from "../dom";
 import { howLong, number } from "../units";
 
 const GUARDS: Record<string, string> = {
@@ -37,5 +37,5 @@ export function showServer(info: GetServerInfoResponse, device: Device): void {
   }
   list.push(["Sessions", `${info.sessions} of ${info.maxSessions}`]);
   list.push(["Not protected", info.insecure.join(" ") || "nothing"]);
-  fill(at("server"), list, () => facts(list));
+  render(facts(list), at("server"));
 }

@@ -1,7 +1,7 @@
 // "Who is connected": the sessions of the device, and how their samples and states travel.
 
 import { Role, type SessionLink } from "hapticd";
-import { at, facts, fill, h } from "../dom";
+import { at, facts, html, render } from "../dom";
 import { milliseconds, number } from "../units";
 
 const ROLES = ["", "controls the device", "looks on", "tracks the palm"];
@@ -52,18 +52,14 @@ function figures(session: SessionLink): [string, string][] {
   return list;
 }
 
+function roleWords({ role, holdsLease }: SessionLink): string {
+  return role === Role.CONTROLLER && !holdsLease ? "lost the device" : ROLES[role] ?? "";
+}
+
 export function showSessions(links: readonly SessionLink[], device: string): void {
   const own = links.filter((link) => link.device === device);
-  const items = own.map((link) => ({
-    name: link.clientName,
-    does: link.role === Role.CONTROLLER && !link.holdsLease ? "lost the device"
-      : ROLES[link.role] ?? "",
-    lease: link.holdsLease,
-    figures: figures(link),
-  }));
-  const item = ({ name, does, lease, figures }: (typeof items)[number]) =>
-    h("li", lease ? { class: "lease" } : {}, h("strong", {}, name), ` ${does}`,
-      h("dl", { class: "facts" }, ...facts(figures)));
-  fill(at("sessions"), items, () =>
-    items.length === 0 ? [h("li", {}, "No session is open.")] : items.map(item));
+  const items = own.map((link) => html`<li class=${link.holdsLease ? "lease" : ""}>
+    <strong>${link.clientName}</strong> ${roleWords(link)}
+    <dl class="facts">${facts(figures(link))}</dl></li>`);
+  render(items.length === 0 ? html`<li>No session is open.</li>` : items, at("sessions"));
 }

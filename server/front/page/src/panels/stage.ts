@@ -1,7 +1,7 @@
 // The card "Device": the picture, its buttons, and what it says if it cannot be drawn.
 
 import type { Device, DeviceState } from "hapticd";
-import { at, h, say } from "../dom";
+import { at, html, render, say } from "../dom";
 import { Picture } from "../picture/picture";
 import type { View } from "../picture/view";
 import { quantity } from "../units";
@@ -65,13 +65,11 @@ export class Stage {
   }
 
   private buttons(picture: Picture): void {
-    for (const [sign, what, act] of BUTTONS) {
-      const button = h("button", { type: "button", "aria-label": what }, sign);
-      button.addEventListener("click", () => {
-        act(picture.view);
-        picture.ask();
-      });
-      at("view-buttons").append(button);
-    }
+    const press = (act: (view: View) => void) => () => {
+      act(picture.view);
+      picture.ask();
+    };
+    render(BUTTONS.map(([sign, what, act]) => html`<button type="button" aria-label=${what}
+      @click=${press(act)}>${sign}</button>`), at("view-buttons"));
   }
 }

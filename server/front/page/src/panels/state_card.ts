@@ -1,9 +1,9 @@
 // The card "State", and what the tool touches.
 
 import type { Device, DeviceState } from "hapticd";
-import { at, fill, h, say } from "../dom";
+import { at, html, render, say } from "../dom";
 import { number } from "../units";
-import { bitWords, type Words } from "../words/bits";
+import { bitWords } from "../words/bits";
 import { contactWords, deratingWords, proxyWords, stateWords } from "../words/state";
 
 /** A limit that acts for one tick is shown for this long, ms: people read slower. */
@@ -42,16 +42,8 @@ export class StateCard {
   }
 
   private faults(bits: number): void {
-    fill(at("faults"), bits, () =>
-      bitWords("faults", bits).map(({ name, title, help }) =>
-        h(
-          "div",
-          { class: "fault" },
-          h("p", {}, h("strong", {}, title), " ", h("code", {}, name)),
-          h("p", {}, help),
-        ),
-      ),
-    );
+    render(bitWords("faults", bits).map(({ name, title, help }) => html`<div class="fault">
+      <p><strong>${title}</strong> <code>${name}</code></p><p>${help}</p></div>`), at("faults"));
   }
 
   private limiters(bits: number): void {
@@ -59,11 +51,8 @@ export class StateCard {
     for (let bit = 0; bit < 32; bit++) if ((bits >>> bit) & 1) this.lastActed.set(bit, now);
     let shown = 0;
     for (const [bit, time] of this.lastActed) if (now - time < SHOWN_MS) shown |= 1 << bit;
-    const item = ({ name, title, help }: Words) =>
-      h("li", { title: help }, `${title} `, h("code", {}, name));
-    fill(at("limiters"), shown, () => {
-      const words = bitWords("limiters", shown);
-      return words.length === 0 ? ["None."] : [h("ul", {}, ...words.map(item))];
-    });
+    const items = bitWords("limiters", shown).map(({ name, title, help }) =>
+      html`<li title=${help}>${title} <code>${name}</code></li>`);
+    render(items.length === 0 ? "None." : html`<ul>${items}</ul>`, at("limiters"));
   }
 }

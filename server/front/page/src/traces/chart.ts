@@ -1,7 +1,7 @@
 // One trace: a heading, the newest values as legend, and uPlot's canvas.
 
 import uPlot from "uplot";
-import { colour, h, say } from "../dom";
+import { colour, html, render } from "../dom";
 import { number, withUnit } from "../units";
 import { History } from "./history";
 import { PALETTE, type Line, type Plan } from "./plans";
@@ -40,38 +40,24 @@ function range(
   return [zero ? 0 : low - air, high + air];
 }
 
-function swatch({ colour, dashed }: Line): HTMLElement {
-  const style = `border-color: var(--line-${colour % PALETTE})`;
-  return h("span", { class: `swatch${dashed ? " dashed" : ""}`, style, "aria-hidden": "true" });
-}
+const swatch = ({ colour, dashed }: Line) => html`<span class="swatch ${dashed ? "dashed" : ""}"
+  style="border-color: var(--line-${colour % PALETTE})" aria-hidden="true"></span>`;
 
 export class Chart {
-  readonly element: HTMLElement;
+  readonly element = document.createElement("figure");
   readonly history: History;
-  private readonly frame = h("div", { class: "plot" });
-  private readonly absent: HTMLElement;
-  private readonly values: HTMLElement[] = [];
+  private readonly frame: HTMLElement;
   private plot: uPlot | null = null;
   private everHadValue = false;
   private held: (number | null)[][] | null = null;
 
   constructor(private readonly plan: Plan) {
     this.history = new History(plan.lines.length, ROWS);
-    this.absent = h("p", { class: "absent" }, plan.absent);
-    this.frame.hidden = true;
-    this.element = h(
-      "figure",
-      { class: "trace", id: `trace-${plan.id}`, "aria-labelledby": `title-${plan.id}` },
-      h(
-        "figcaption",
-        {},
-        h("h3", { id: `title-${plan.id}` }, plan.title),
-        h("p", { class: "help" }, plan.help),
-      ),
-      this.legend(),
-      this.absent,
-      this.frame,
-    );
+    this.element.className = "trace";
+    this.element.id = `trace-${plan.id}`;
+    this.element.setAttribute("aria-labelledby", `title-${plan.id}`);
+    this.show([]);
+    this.frame = this.element.querySelector(".plot")!;
   }
 
   /** Keeps what is shown as it is at `now`, while the history goes on; null: goes on too. */
@@ -82,13 +68,9 @@ export class Chart {
   /** The last `seconds` before `now`, s. */
   draw(now: number, seconds: number): void {
     const rows = this.held ?? this.history.window(now, seconds);
-    this.plan.lines.forEach((line, i) => {
-      const last = rows[i + 1]!.at(-1) ?? NaN;
-      if (Number.isFinite(last)) this.everHadValue = true;
-      say(this.values[i]!, withUnit(number(last, line.digits), line.unit));
-    });
-    this.frame.hidden = !this.everHadValue;
-    this.absent.hidden = this.everHadValue;
+    const last = rows.slice(1).map((column) => column.at(-1) ?? NaN);
+    this.everHadValue ||= last.some(Number.isFinite);
+    this.show(last);
     if (!this.everHadValue) return;
     if (!this.plot || this.plot.width !== this.frame.clientWidth) this.build();
     this.plot?.batch(() => {
@@ -103,14 +85,19 @@ export class Chart {
     this.plot = null;
   }
 
-  private legend(): HTMLElement {
-    const list = h("ul", { class: "legend" });
-    for (const line of this.plan.lines) {
-      const value = h("span", { class: "value" });
-      this.values.push(value);
-      list.append(h("li", {}, swatch(line), h("span", {}, line.label), value));
-    }
-    return list;
+  /** All but what uPlot draws. */
+  private show(newest: readonly number[]): void {
+    const { plan: { id, title, help, lines, absent }, everHadValue } = this;
+    const value = (i: number, { digits, unit }: Line) => withUnit(number(newest[i], digits), unit);
+    render(html`
+      <figcaption>
+        <h3 id="title-${id}">${title}</h3>
+        <p class="help">${help}</p>
+      </figcaption>
+      <ul class="legend">${lines.map((line, i) => html`<li>${swatch(line)}
+        <span>${line.label}</span><span class="value">${value(i, line)}</span></li>`)}</ul>
+      <p class="absent" ?hidden=${everHadValue}>${absent}</p>
+      <div class="plot" ?hidden=${!everHadValue}></div>`, this.element);
   }
 
   private build(): void {

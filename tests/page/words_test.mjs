@@ -1,11 +1,11 @@
 // Words and numbers of the page.
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { bitWords } from "hapticd";
 import { misfit } from "../../server/front/page/src/mujoco/fit.ts";
 import { howLong, number, quantity } from "../../server/front/page/src/units.ts";
-import { bitWords } from "../../server/front/page/src/words/bits.ts";
 import { changeWords, contactWords, deratingWords, proxyWords }
-  from "../../server/front/page/src/words/state.ts";
+  from "../../server/front/page/src/words.ts";
 
 test("every bit of the protocol has words", () => {
   for (const field of ["faults", "limiters"]) {

@@ -4,7 +4,7 @@ import { getOption, hasOption } from "@bufbuild/protobuf";
 import type { DescEnum, DescField, DescMessage, Message } from "@bufbuild/protobuf";
 import { reflect } from "@bufbuild/protobuf/reflect";
 import type { ReflectMessage } from "@bufbuild/protobuf/reflect";
-import { Axis, axis, bits, unit } from "./gen/haptic/v1/field_options_pb.js";
+import { Axis, axis, bits, unit, words } from "./gen/haptic/v1/field_options_pb.js";
 import type { Device } from "./gen/haptic/v1/haptic_service_pb.js";
 import { DeviceStateSchema } from "./gen/haptic/v1/session_pb.js";
 import type { DeviceState } from "./gen/haptic/v1/session_pb.js";
@@ -100,12 +100,31 @@ export function bitNames(field: "faults" | "limiters" | "activePlanes", value: n
   return namesOf(DeviceStateSchema.field[field], value);
 }
 
-function namesOf(field: DescField, value: number): string[] {
-  const names = getOption(field, bits).split(" ");
-  const set: string[] = [];
-  for (let bit = 0; bit < 32; ++bit) {
-    const name = names[bit] ?? "-";
-    if ((value >>> bit) & 1) set.push(name === "-" ? String(bit) : name);
-  }
-  return set;
+/** A bit that is set, in words. */
+export interface BitWords {
+  name: string;  // "SLEW"
+  title: string;
+  help: string;
 }
+
+/** The same with words for people. */
+export function bitWords(field: "faults" | "limiters", value: number): BitWords[] {
+  const type = DeviceStateSchema.field[field], told = getOption(type, words);
+  return setBits(value).map((bit) => {
+    const name = nameOf(type, bit);
+    const [, title, help] = /^(.*?): (.*)$/.exec(told[bit] ?? "") ??
+      ["", `Bit ${name}`, "This program does not know it: it is newer."];
+    return { name, title: title!, help: help! };
+  });
+}
+
+const setBits = (value: number): number[] =>
+  Array.from({ length: 32 }, (_, bit) => bit).filter((bit) => (value >>> bit) & 1);
+
+function nameOf(field: DescField, bit: number): string {
+  const name = getOption(field, bits).split(" ")[bit] ?? "-";
+  return name === "-" ? String(bit) : name;
+}
+
+const namesOf = (field: DescField, value: number): string[] =>
+  setBits(value).map((bit) => nameOf(field, bit));

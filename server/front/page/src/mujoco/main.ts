@@ -4,7 +4,7 @@ import { Connection } from "hapticd";
 import { at, say } from "../dom";
 import { misfit } from "./fit";
 import { Stop } from "../panels/stop";
-import { stateWords } from "../words/state";
+import { stateWords } from "../words";
 import type { Motor, Order, Report } from "./messages";
 import { Stage } from "./stage";
 

@@ -3,7 +3,7 @@
 import { Event_Kind, type Event } from "hapticd";
 import { repeat } from "lit-html/directives/repeat.js";
 import { at, html, render } from "../dom";
-import { changeWords } from "../words/state";
+import { changeWords } from "../words";
 
 const KEPT = 50;
 

@@ -1,10 +1,9 @@
 // The card "State", and what the tool touches.
 
-import type { Device, DeviceState } from "hapticd";
+import { bitWords, type Device, type DeviceState } from "hapticd";
 import { at, html, render, say } from "../dom";
 import { number } from "../units";
-import { bitWords } from "../words/bits";
-import { contactWords, deratingWords, proxyWords, stateWords } from "../words/state";
+import { contactWords, deratingWords, proxyWords, stateWords } from "../words";
 
 /** A limit that acts for one tick is shown for this long, ms: people read slower. */
 const SHOWN_MS = 700;

@@ -1,21 +1,33 @@
-"""C: haptic_state, haptic_plane and haptic_contact, and their way from and to haptic::client.
+"""C: haptic_state, haptic_device, haptic_server_info, haptic_plane and haptic_contact, and their
+way from and to haptic::client.
 
 The members stand in the order of the fields' numbers: a new field has the highest number, so it
 comes last, as the ABI wants. The messages in DeviceState do not grow.
 """
 
 from cpp import TYPES as CPP_TYPES
-from cpp import name_of, source
-from schema import MADE, Field, Schema, wrapped
+from cpp import FACTS, called, fields_of, is_optional, name_of, source
+from schema import MADE, Enum, Field, Message, Schema, wrapped
 
 _TYPES = {kind: name.removeprefix("std::") for kind, name in CPP_TYPES.items()}
-_TYPES["enum"] = "int32_t"
+_TYPES |= {"enum": "int32_t", "bool": "int32_t"}
 _LENGTHS = {"normal": "HAPTIC_MAX_COORDINATES", "curvature": "36", "object_direction": "6"}
+_NAMES = {"DeviceState": "haptic_state", "DegreeOfFreedom": "haptic_dof",
+          "VirtualCoordinate": "haptic_coordinate", "GetServerInfoResponse": "haptic_server_info"}
+_PREFIXES = {"DeviceStateName": "HAPTIC_", "ProxyMode": "HAPTIC_", "StalenessLevel": "HAPTIC_",
+             "Transport": "HAPTIC_BY_", "Kind": "HAPTIC_EVENT_"}  # of values
+_MOST = {"DegreeOfFreedom": "HAPTIC_MAX_DOFS", "VirtualCoordinate": "HAPTIC_MAX_COORDINATES"}
+_TEXTS = {"scene": 256, "explanation": 256, "insecure": 1024}  # bytes; others: a name's
 
 
 def _name(message: str) -> str:
     words = "".join("_" + c.lower() if c.isupper() else c for c in message)
-    return "haptic_state" if message == "DeviceState" else "haptic" + words.removesuffix("_state")
+    return _NAMES.get(message, "haptic" + words.removesuffix("_state"))
+
+
+def count_of(field: Field) -> str:
+    """The member that says how many messages a list has."""
+    return field.called.removesuffix("s") + "_count"
 
 
 def _list(field: Field) -> str:
@@ -28,6 +40,13 @@ def _list(field: Field) -> str:
 
 
 def _in_state(field: Field) -> list[str]:
+    if field.kind == "string":
+        return [f"char {field.called}[{_TEXTS.get(field.name, 'HAPTIC_MAX_NAME + 1')}];"]
+    if field.kind == "duration":
+        return [f"int64_t {field.called}_ns;"]
+    if field.kind == "message" and field.repeated:
+        return [f"uint32_t {count_of(field)};",
+                f"{_name(field.type)} {field.called}[{_MOST[field.type]}];"]
     kind = _name(field.type) if field.kind == "message" else \
         _list(field) if field.repeated else _TYPES[field.kind]
     return [f"{kind} {field.called};"]
@@ -67,14 +86,32 @@ def _header(name: str, more: str, include: str, body: list[str]) -> list[str]:
             f"#include <haptic/{include}>", *body, "", "#endif"]
 
 
-def state_header(schema: Schema) -> list[str]:
+def _enum(enum: Enum) -> list[str]:
+    prefix = _PREFIXES[enum.name]
+    return ["", *_comment(enum.comment), "enum {",
+            *(f"  {prefix}{name} = {number}," for name, number in enum.values[1:-1]),
+            f"  {prefix}{enum.values[-1][0]} = {enum.values[-1][1]}", "};"]
+
+
+def _structs(schema: Schema, messages: list[Message], tops: tuple[str, ...],
+             nested: list[str]) -> list[str]:
     body = []
-    for message in schema.state:
-        top = message.name == "DeviceState"
-        first = "  size_t size;" if top else "  int32_t present; /* 0: absent */"
-        body += _struct(_name(message.name), message.comment,
-                        [first, *_members(message.fields, Field.about, _in_state)])
-    return _header("STATE", "The rules of structs are in haptic_types.h.", "haptic_lists.h", body)
+    for message in messages:
+        first = ["  size_t size;"] if message.name in tops else nested
+        members = _members(fields_of(schema, message), Field.about, _in_state)
+        body += _struct(_name(message.name), message.comment, [*first, *members])
+    return body
+
+
+def state_header(schema: Schema) -> list[str]:
+    return _header("STATE", "The rules of structs are in haptic_types.h.", "haptic_lists.h", [
+        *(line for name in _PREFIXES for line in _enum(schema.enums[name])),
+        *_structs(schema, schema.state, ("DeviceState",), ["  int32_t present; /* 0: absent */"])])
+
+
+def facts_header(schema: Schema) -> list[str]:
+    return _header("FACTS", "The rules of structs are in haptic_types.h; lists of text have a line "
+                   "each.", "haptic_lists.h", _structs(schema, schema.with_held(*FACTS), FACTS, []))
 
 
 def plane_header(schema: Schema) -> list[str]:
@@ -94,8 +131,16 @@ def plane_header(schema: Schema) -> list[str]:
 
 def _assigned(field: Field) -> str:
     to, got = f"to.{field.called}", f"from.{name_of(field)}"
+    if field.kind == "string":
+        return f"write_text({f'joined({got})' if field.repeated else got}, {to});"
+    if field.kind == "duration":
+        return f"{to}_ns = {got}.count();"
+    if field.kind == "message" and field.repeated:
+        return (f"to.{count_of(field)} = fitting({got}, {to});\n"
+                f"  for (std::uint32_t i = 0; i < to.{count_of(field)}; ++i) "
+                f"write({got}[i], {to}[i]);")
     if field.kind == "message":
-        return f"if ({got}) write(*{got}, {to});"
+        return f"if ({got}) write(*{got}, {to});" if is_optional(field) else f"write({got}, {to});"
     if field.repeated:
         return f"write_list({got}, {to});"
     if field.kind == "enum":
@@ -105,14 +150,24 @@ def _assigned(field: Field) -> str:
     return f"{to} = {got};"
 
 
-def state_conversion(schema: Schema) -> list[str]:
+def _conversion(schema: Schema, messages: list[Message], tops: tuple[str, ...]) -> list[str]:
     body = []
-    for message in schema.state:
-        top = message.name == "DeviceState"
-        head = f"void write(const client::{message.name}& from, {_name(message.name)}& to) {{"
-        body += ["", head if top else "static " + head, *([] if top else ["  to.present = 1;"]),
-                 *(f"  {_assigned(field)}" for field in _by_number(message.fields)), "}"]
+    for message in messages:
+        local = "" if message.name in tops else "static "
+        present = ["  to.present = 1;"] if local and message in schema.state else []
+        body += ["", f"{local}void write(const client::{called(message.name)}& from, "
+                 f"{_name(message.name)}& to) {{", *present,
+                 *(f"  {_assigned(field)}" for field in _by_number(fields_of(schema, message))),
+                 "}"]
     return source(['#include "state_struct.hpp"'], "haptic::c", body)
+
+
+def state_conversion(schema: Schema) -> list[str]:
+    return _conversion(schema, schema.state, ("DeviceState",))
+
+
+def facts_conversion(schema: Schema) -> list[str]:
+    return _conversion(schema, schema.with_held(*FACTS), FACTS)
 
 
 def _reader(name: str, struct: str, called: str, fields: list[Field]) -> list[str]:
@@ -148,6 +203,8 @@ def plane_conversion(schema: Schema) -> list[str]:
 KINDS = {
     "c": state_header,                    # haptic_state
     "c_convert": state_conversion,        # of client::DeviceState
+    "c_facts": facts_header,              # haptic_device and haptic_server_info
+    "c_facts_convert": facts_conversion,  # of client::DeviceInfo and client::ServerInfo
     "c_plane": plane_header,              # haptic_plane and haptic_contact
     "c_plane_convert": plane_conversion,  # from and to client::Plane and client::Contact
 }

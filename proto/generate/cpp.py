@@ -6,7 +6,8 @@ from schema import MADE, Enum, Field, Message, Schema, pascal, wrapped
 TYPES = {"double": "double", "uint32": "std::uint32_t", "uint64": "std::uint64_t",
          "int32": "std::int32_t", "int64": "std::int64_t", "sint64": "std::int64_t", "bool": "bool",
          "string": "std::string", "duration": "std::chrono::nanoseconds"}
-_FACTS = ("Event", "Device", "GetServerInfoResponse", "GetLinkStatsResponse")
+FACTS = ("Device", "GetServerInfoResponse")  # that C and Python have, too
+_FACTS = ("Event", *FACTS, "GetLinkStatsResponse")
 _CALLED = {"Device": "DeviceInfo", "GetServerInfoResponse": "ServerInfo",
            "GetLinkStatsResponse": "LinkReport", "LinkTransport": "LinkCarrier",
            "LinkTransport.transport": "carrier", "SessionLink.transports": "carriers"}
@@ -28,16 +29,16 @@ def name_of(field: Field) -> str:
     return name.removesuffix("_us") if field.is_time else name
 
 
-def _called(message: str) -> str:
+def called(message: str) -> str:
     return _CALLED.get(message, message)
 
 
-def _fields(schema: Schema, message: Message) -> list[Field]:
+def fields_of(schema: Schema, message: Message) -> list[Field]:
     return [field for field in message.fields
             if field.kind != "message" or field.type in schema.messages]
 
 
-def _is_optional(field: Field) -> bool:
+def is_optional(field: Field) -> bool:
     may_lack = field.kind in ("message", "duration") and field.name not in _ALWAYS
     return field.optional or (may_lack and not field.repeated)
 
@@ -45,11 +46,11 @@ def _is_optional(field: Field) -> bool:
 def _type(schema: Schema, field: Field) -> str:
     if field.kind == "enum":  # of haptic/client/enums.hpp, if the library has one for it
         return schema.enums[field.type].called or "std::uint32_t"
-    kind = _called(field.type) if field.kind == "message" else \
+    kind = called(field.type) if field.kind == "message" else \
         "std::chrono::microseconds" if field.is_time else TYPES[field.kind]
     if field.repeated:
         return f"std::vector<{kind}>"
-    return f"std::optional<{kind}>" if _is_optional(field) else kind
+    return f"std::optional<{kind}>" if is_optional(field) else kind
 
 
 def _members(schema: Schema, fields: list[Field], notes: list[str]) -> list[str]:
@@ -60,7 +61,7 @@ def _members(schema: Schema, fields: list[Field], notes: list[str]) -> list[str]
 
 
 def _struct(message: Message, members: list[str]) -> list[str]:
-    return ["", *wrapped(message.comment, "/// "), f"struct {_called(message.name)} {{", *members,
+    return ["", *wrapped(message.comment, "/// "), f"struct {called(message.name)} {{", *members,
             "};"]
 
 
@@ -71,13 +72,13 @@ def _header(includes: list[str], body: list[str]) -> list[str]:
 def _structs(schema: Schema, messages: list[Message]) -> list[str]:
     body = []
     for message in messages:
-        fields = _fields(schema, message)
+        fields = fields_of(schema, message)
         notes = [field.about("" if field.is_time else None) for field in fields]
         members = _members(schema, fields, notes)
         if message.name == "DeviceState":
             members += ["  /// This machine's steady clock when the state arrived.",
                         "  std::chrono::steady_clock::time_point received{};"]
-        name = f"const {_called(message.name)}&"
+        name = f"const {called(message.name)}&"
         body += _struct(message, [
             *members, "", f"  friend bool operator==({name}, {name}) = default;"])
     return _header(_INCLUDES, body)
@@ -122,7 +123,7 @@ def _read(schema: Schema, field: Field) -> str:
         return f"for (const auto& part : {got}) read(part, {to}.emplace_back());"
     if field.repeated:
         return f"{to}.assign({got}.begin(), {got}.end());"
-    when = f"if (from.has_{field.name}()) " if _is_optional(field) else ""
+    when = f"if (from.has_{field.name}()) " if is_optional(field) else ""
     if field.kind == "message":
         return f"{when}read({got}, {to}{'.emplace()' if when else ''});"
     if field.kind == "duration":
@@ -138,7 +139,7 @@ def _write(field: Field) -> str:
         return f"for (const auto& part : {got}) write(part, *to.add_{field.name}());"
     if field.repeated:
         return f"to.mutable_{field.name}()->Add({got}.begin(), {got}.end());"
-    when, value = (f"if ({got}) ", f"*{got}") if _is_optional(field) else ("", got)
+    when, value = (f"if ({got}) ", f"*{got}") if is_optional(field) else ("", got)
     if field.kind in ("message", "duration"):
         return f"{when}write({value}, *to.mutable_{field.name}());"
     if field.kind == "enum":
@@ -147,18 +148,18 @@ def _write(field: Field) -> str:
 
 
 def _writer(schema: Schema, message: Message, local: str = "") -> list[str]:
-    name = _called(message.name)
+    name = called(message.name)
     return ["", f"{local}void write(const {name}& from, v1::{message.name}& to) {{",
-            *(f"  {_write(field)}" for field in _fields(schema, message)), "}"]
+            *(f"  {_write(field)}" for field in fields_of(schema, message)), "}"]
 
 
 def _conversion(schema: Schema, header: str, messages: list[Message],
                 roots: tuple[str, ...]) -> list[str]:
     body = []
     for message in messages:
-        local, name = "" if message.name in roots else "static ", _called(message.name)
+        local, name = "" if message.name in roots else "static ", called(message.name)
         body += ["", f"{local}void read(const v1::{message.name}& from, {name}& to) {{",
-                 *(f"  {_read(schema, field)}" for field in _fields(schema, message)), "}",
+                 *(f"  {_read(schema, field)}" for field in fields_of(schema, message)), "}",
                  *_writer(schema, message, local)]
     return source([f'#include "{header}"'], "haptic::client", body)
 

@@ -1,9 +1,11 @@
-"""Python: DeviceState, what it holds, Plane, and what Contact has of it, as frozen values, from and
-to the C structs.
+"""Python: DeviceState, Device, ServerInfo, what these hold, Plane, and what Contact has of it, as
+frozen values, from and to the C structs.
 
 A time in microseconds becomes seconds. An enum becomes its value's name.
 """
 
+from c import count_of
+from cpp import FACTS, fields_of, is_optional
 from schema import MADE, Enum, Field, Message, Schema, capitals, wrapped
 
 _HEAD = f'''"""{MADE}"""
@@ -12,21 +14,29 @@ from __future__ import annotations
 
 import dataclasses
 from typing import Any
+'''
+_TYPES = {"double": "float", "uint32": "int", "uint64": "int", "int64": "int", "enum": "str",
+          "int32": "int", "string": "str", "bool": "bool", "duration": "float"}
+_CALLED = {"GetServerInfoResponse": "ServerInfo", "VirtualCoordinate": "Coordinate"}
 
-from ._library import floats, lists, name_of, put'''
-_TYPES = {"double": "float", "uint32": "int", "uint64": "int", "int64": "int", "enum": "str"}
+
+def _called(message: str) -> str:
+    return _CALLED.get(message, message)
 
 
 def _name(field: Field) -> str:
+    if field.kind == "duration":
+        return field.called + "_s"
     return field.called.removesuffix("us") + "s" if field.is_time else field.called
 
 
 def _type(field: Field) -> str:
-    plain = field.type if field.kind == "message" else \
+    plain = _called(field.type) if field.kind == "message" else \
         "float" if field.is_time else _TYPES[field.kind]
     if field.repeated:
         return f"tuple[{plain}, ...]"
-    return plain + " | None" if field.kind == "message" or field.optional else plain
+    optional = is_optional(field) and field.kind != "duration"
+    return plain + " | None" if optional else plain
 
 
 def _default(field: Field) -> str:
@@ -39,7 +49,16 @@ def _read(field: Field) -> str:
     """The expression that reads it from the struct c of a state."""
     got = f"c.{field.called}"
     if field.kind == "message":
-        return f"{field.type}.of({got}) if {got}.present else None"
+        kind = _called(field.type)
+        if field.repeated:
+            return f"tuple({kind}.of({got}[i]) for i in range(c.{count_of(field)}))"
+        return f"{kind}.of({got})" + (f" if {got}.present else None" if is_optional(field) else "")
+    if field.kind == "string":
+        return f"tuple(text({got}).splitlines())" if field.repeated else f"text({got})"
+    if field.kind == "duration":
+        return f"{got}_ns * 1e-9"
+    if field.kind == "bool":
+        return f"{got} != 0"
     if field.repeated:
         return f"lists({got}.value, {got}.count)"
     if field.kind == "enum":
@@ -88,14 +107,13 @@ def _class(name: str, about: str, more: str = "") -> list[str]:
             *wrapped(f'"""{about}"""', "    "), ""]
 
 
-def _state(message: Message) -> list[str]:
+def _state(schema: Schema, message: Message) -> list[str]:
+    fields, name = fields_of(schema, message), _called(message.name)
     notes = [field.about("s" if field.is_time else None)
-             + (f"; bits 0, 1, ...: {field.bits}" if field.bits else "")
-             for field in message.fields]
-    return [*_class(message.name, message.comment),
-            *_members(message.fields, notes, len(notes)), "", "    @classmethod",
-            f"    def of(cls, c: Any) -> {message.name}:", "        return cls(",
-            *(f"            {_read(field)}," for field in message.fields), "        )"]
+             + (f"; bits 0, 1, ...: {field.bits}" if field.bits else "") for field in fields]
+    return [*_class(name, message.comment), *_members(fields, notes, len(notes)), "",
+            "    @classmethod", f"    def of(cls, c: Any) -> {name}:", "        return cls(",
+            *(f"            {_read(field)}," for field in fields), "        )"]
 
 
 def _plane(message: Message) -> list[str]:
@@ -125,12 +143,21 @@ def _enum(enum: Enum) -> list[str]:
 def messages(schema: Schema) -> list[str]:
     used = {enum.name: enum for enum in schema.state_enums}
     used |= {name: schema.enums[name] for name in ("Renderer", "Kind")}
-    lines = _HEAD.splitlines()
+    lines = [*_HEAD.splitlines(), "", "from ._library import floats, lists, name_of, put"]
     for enum in used.values():
         lines += _enum(enum)
     for message in schema.state:
-        lines += _state(message)
+        lines += _state(schema, message)
     return lines + _plane(schema.plane) + _contact(schema.told)
 
 
-KINDS = {"python": messages}  # from and to the C structs
+def facts(schema: Schema) -> list[str]:
+    return [*_HEAD.splitlines(), "", "from ._library import lists, name_of, text",
+            "from ._messages import DEVICE_STATE_NAME, RENDERER",
+            *(line for message in schema.with_held(*FACTS) for line in _state(schema, message))]
+
+
+KINDS = {
+    "python": messages,     # DeviceState, Plane and Told, from and to the C structs
+    "python_facts": facts,  # Device and ServerInfo
+}

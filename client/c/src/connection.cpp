@@ -35,7 +35,7 @@ int haptic_server(haptic_connection* connection, haptic_server_info* info, hapti
   return guarded(error, [&] {
     const auto found = connections().find(connection);
     sized(info, "info");
-    write(to_server_info(found->server_info()), info);
+    write(to_struct<haptic_server_info>(found->server_info()), info);
   });
 }
 
@@ -54,7 +54,7 @@ int haptic_devices(haptic_connection* connection, haptic_device* devices, size_t
     if (capacity > 0) sized(devices, "devices");
     const std::vector<client::DeviceInfo> found = connections().find(connection)->devices();
     *count = found.size();
-    write_each(found, devices, capacity, to_device);
+    write_each(found, devices, capacity, to_struct<haptic_device, client::DeviceInfo>);
   });
 }
 

@@ -3,7 +3,6 @@
 #include <optional>
 #include <sstream>
 
-#include "state_struct.hpp"
 #include "structs.hpp"
 
 namespace haptic::c {
@@ -22,97 +21,12 @@ Enum enumerator(const char* name, std::int32_t value, Enum last) {
   return static_cast<Enum>(value);
 }
 
-/// Texts, apart by `by`.
-std::string joined(const std::vector<std::string>& texts, char by) {
-  std::string all;
-  for (const std::string& text : texts) {
-    if (!all.empty()) all += by;
-    all += text;
-  }
-  return all;
-}
-
 std::optional<std::chrono::nanoseconds> limit(std::uint64_t ns) {
   if (ns == 0) return {};
   return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min<std::uint64_t>(ns, kLongest)));
 }
 
 }  // namespace
-
-haptic_device to_device(const client::DeviceInfo& device) {
-  haptic_device to{};
-  write_text(device.name, to.name);
-  write_text(device.kind, to.kind);
-  write_text(device.model, to.model);
-  write_text(device.serial, to.serial);
-  write_text(device.calibrated, to.calibrated);
-  write_text(device.controller, to.controller);
-  write_text(device.tracker, to.tracker);
-  write_text(joined(device.unguarded, ' '), to.unguarded);
-  to.moves = device.moves ? 1 : 0;
-  to.wants_tracker = device.wants_tracker ? 1 : 0;
-  to.measures_force = device.measures_force ? 1 : 0;
-  to.state = static_cast<std::int32_t>(device.state);
-  to.renderer = static_cast<std::int32_t>(device.renderer);
-  to.faults = device.faults;
-  to.observers = device.observers;
-  write_list(device.stiffness_limit, to.stiffness_limit);
-  write_list(device.damping_limit, to.damping_limit);
-  write_list(device.force_limit, to.force_limit);
-  write_list(device.slew_limit, to.slew_limit);
-  write_list(device.engage_window, to.engage_window);
-  to.loop_rate_hz = device.loop_rate_hz;
-  to.dof_count = static_cast<std::uint32_t>(device.dofs.size());
-  to.coordinate_count = static_cast<std::uint32_t>(device.coordinates.size());
-  for (std::size_t i = 0; i < device.dofs.size(); ++i) {
-    const client::DegreeOfFreedom& dof = device.dofs[i];
-    to.actuated_count += dof.actuated ? 1U : 0U;
-    if (i >= HAPTIC_MAX_DOFS) continue;
-    write_text(dof.name, to.dofs[i].name);
-    write_text(dof.unit, to.dofs[i].unit);
-    to.dofs[i].actuated = dof.actuated ? 1 : 0;
-    to.dofs[i].lower = dof.lower;
-    to.dofs[i].upper = dof.upper;
-    to.dofs[i].max_effort = dof.max_effort;
-  }
-  const std::size_t coordinates =
-      std::min<std::size_t>(device.coordinates.size(), HAPTIC_MAX_COORDINATES);
-  for (std::size_t i = 0; i < coordinates; ++i) {
-    write_text(device.coordinates[i].name, to.coordinates[i].name);
-    write_text(device.coordinates[i].unit, to.coordinates[i].unit);
-    write_text(device.coordinates[i].kind, to.coordinates[i].kind);
-  }
-  return to;
-}
-
-haptic_state to_state(const client::DeviceState& state) {
-  haptic_state to{};
-  write(state, to);
-  return to;
-}
-
-haptic_server_info to_server_info(const client::ServerInfo& info) {
-  haptic_server_info to{};
-  write_text(info.version, to.version);
-  write_text(info.protocol, to.protocol);
-  write_text(info.scene, to.scene);
-  write_text(info.realtime.grade, to.realtime_grade);
-  write_text(info.realtime.explanation, to.realtime_explanation);
-  write_text(joined(info.insecure, '\n'), to.insecure);
-  to.ticks = info.loop.ticks;
-  to.skipped_ticks = info.loop.skipped;
-  to.records_dropped = info.loop.records_dropped;
-  to.lateness_p50_us = info.loop.lateness_p50_us;
-  to.lateness_p99_us = info.loop.lateness_p99_us;
-  to.lateness_max_us = info.loop.lateness_max_us;
-  to.tick_p50_us = info.loop.tick_p50_us;
-  to.tick_p99_us = info.loop.tick_p99_us;
-  write_text(info.loop.paced_by, to.paced_by);
-  to.paced_by_sample = info.loop.paced_by_sample;
-  to.uptime_ns = static_cast<std::uint64_t>(info.uptime.count());
-  to.sessions = info.sessions;
-  return to;
-}
 
 haptic_settings to_settings(const client::AppliedSettings& settings) {
   haptic_settings to{};
@@ -131,7 +45,7 @@ haptic_settings to_settings(const client::AppliedSettings& settings) {
          << clamp.why;
     why.push_back(line.str());
   }
-  write_text(joined(why, '\n'), to.why_clamped);
+  write_text(joined(why), to.why_clamped);
   return to;
 }
 

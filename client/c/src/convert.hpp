@@ -3,12 +3,10 @@
 
 #include "haptic/client/client.hpp"
 #include "haptic/haptic_types.h"
+#include "state_struct.hpp"
 
 namespace haptic::c {
 
-[[nodiscard]] haptic_server_info to_server_info(const client::ServerInfo& info);
-[[nodiscard]] haptic_device to_device(const client::DeviceInfo& device);
-[[nodiscard]] haptic_state to_state(const client::DeviceState& state);
 [[nodiscard]] haptic_settings to_settings(const client::AppliedSettings& settings);
 // These throw kInvalidArgument.
 [[nodiscard]] client::SessionOptions to_options(const haptic_session_options& options);

@@ -42,7 +42,7 @@ int haptic_close(haptic_session* session) {
 int haptic_device_of(haptic_session* session, haptic_device* device, haptic_error* error) {
   return guarded(error, [&] {
     const auto found = sessions().find(session);
-    write(to_device((*found)->device()), sized(device, "device"));
+    write(to_struct<haptic_device>((*found)->device()), sized(device, "device"));
   });
 }
 
@@ -50,7 +50,7 @@ int haptic_newest_state(haptic_session* session, haptic_state* state, haptic_err
   return guarded(error, [&] {
     const auto found = sessions().find(session);
     sized(state, "state");
-    write(to_state((*found)->state()), state);
+    write(to_struct<haptic_state>((*found)->state()), state);
   });
 }
 
@@ -59,7 +59,8 @@ int haptic_wait_for_state(haptic_session* session, uint32_t timeout_ms, haptic_s
   return guarded(error, [&] {
     const auto found = sessions().find(session);
     sized(state, "state");
-    write(to_state((*found)->wait_for_state(std::chrono::milliseconds(timeout_ms))), state);
+    const std::chrono::milliseconds timeout(timeout_ms);
+    write(to_struct<haptic_state>((*found)->wait_for_state(timeout)), state);
   });
 }
 

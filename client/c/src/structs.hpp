@@ -93,6 +93,19 @@ void write_text(std::string_view text, char (&to)[kSize]) noexcept {
   std::memcpy(to, text.data(), length);
 }
 
+/// A line each.
+inline std::string joined(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += (all.empty() ? "" : "\n") + text;
+  return all;
+}
+
+/// How many of `values` have room.
+template <typename Value, typename Struct, std::size_t kMost>
+std::uint32_t fitting(const std::vector<Value>& values, const Struct (&)[kMost]) noexcept {
+  return static_cast<std::uint32_t>(std::min(values.size(), kMost));
+}
+
 /// Opening a session made sure that no list is longer.
 template <typename Value, typename List>
 void write_list(const std::vector<Value>& values, List& to) {

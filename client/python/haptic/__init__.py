@@ -13,9 +13,9 @@ of numpy too. A call that fails raises ClientError, whose `reason` is for progra
 geometry raise ValueError. Ctrl-C ends every wait. proto/README.md is the protocol.
 
 Values, each with help() of its own: DeviceState, PassivityState and TrackerState come down; Proxy,
-Plane and Pose go up; Device, DegreeOfFreedom, Coordinate, ServerInfo, Settings, Event and
-Statistics are answers; Tls, Priority and Carriers are options; Contact, PointMap, JointAxis and
-Solution are geometry.
+Plane and Pose go up; Device, DegreeOfFreedom, Coordinate, ServerInfo, RealtimeGrant,
+LoopStatistics, Settings, Event and Statistics are answers; Tls, Priority and Carriers are options;
+Contact, PointMap, JointAxis and Solution are geometry.
 """
 
 from ._connection import Connection
@@ -37,6 +37,12 @@ from ._contact import Contact as Contact
 from ._contact import JointAxis as JointAxis
 from ._contact import PointMap as PointMap
 from ._contact import Solution as Solution
+from ._facts import Coordinate as Coordinate
+from ._facts import DegreeOfFreedom as DegreeOfFreedom
+from ._facts import Device as Device
+from ._facts import LoopStatistics as LoopStatistics
+from ._facts import RealtimeGrant as RealtimeGrant
+from ._facts import ServerInfo as ServerInfo
 from ._library import ClientError as ClientError
 from ._messages import DeviceState as DeviceState
 from ._messages import PassivityState as PassivityState
@@ -47,14 +53,10 @@ from ._ports import DEFAULT_SERVER
 from ._session import Session
 from ._types import FREE, behind, held
 from ._types import Carriers as Carriers
-from ._types import Coordinate as Coordinate
-from ._types import DegreeOfFreedom as DegreeOfFreedom
-from ._types import Device as Device
 from ._types import Event as Event
 from ._types import Pose as Pose
 from ._types import Priority as Priority
 from ._types import Proxy as Proxy
-from ._types import ServerInfo as ServerInfo
 from ._types import Settings as Settings
 from ._types import Statistics as Statistics
 from ._types import Tls as Tls

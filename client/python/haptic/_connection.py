@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from ._facts import Device, ServerInfo
 from ._library import ClientError, Handle, ask, call, ffi, lib, new, text
 from ._messages import DeviceState
 from ._ports import DEFAULT_SERVER
 from ._session import Session
-from ._types import Carriers, Device, Event, Priority, ServerInfo, Tls
+from ._types import Carriers, Event, Priority, Tls
 
 _MOST_NAMES = 65536  # bytes
 

@@ -11,9 +11,10 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
+from ._facts import Coordinate
 from ._library import compute, doubles, ffi, floats, lib, lists, new
 from ._messages import Plane, Told
-from ._types import FREE, Coordinate, Proxy, behind
+from ._types import FREE, Proxy, behind
 
 Vector = Iterable[float]
 _EXPECTED_CONTACTS = 64  # of haptic_solve(), for which there is room at first

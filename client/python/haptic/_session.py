@@ -6,10 +6,11 @@ import time
 from collections.abc import Iterable
 from typing import Any
 
+from ._facts import Device
 from ._library import ClientError, Handle, ask, call, doubles, ffi, floats, lib, new, put
 from ._library import refusal
 from ._messages import PROXY_MODE, RENDERER, DeviceState
-from ._types import Device, Event, Pose, Proxy, Settings, Statistics, read
+from ._types import Event, Pose, Proxy, Settings, Statistics, read
 
 _SLICE_S = 0.1  # of a wait, after which Ctrl-C is heard
 _MODES = {name: mode for mode, name in PROXY_MODE.items()}

@@ -56,9 +56,9 @@ class Header(unittest.TestCase):
         sizes = {line.split()[0]: int(line.split()[1]) for line in said.splitlines()}
         self.assertGreaterEqual(sizes.pop("haptic_state"), 3680)  # it grows with the protocol
         self.assertEqual(sizes, {
-            "haptic_connect_options": 56, "haptic_contact": 1320, "haptic_device": 10408,
+            "haptic_connect_options": 56, "haptic_contact": 1320, "haptic_device": 19472,
             "haptic_error": 592, "haptic_event": 352, "haptic_plane": 1016, "haptic_point": 1104,
-            "haptic_pose": 72, "haptic_proxy": 56, "haptic_server_info": 1888,
+            "haptic_pose": 72, "haptic_proxy": 56, "haptic_server_info": 2000,
             "haptic_session_options": 112, "haptic_settings": 1336, "haptic_solution": 608,
             "haptic_solve_options": 40, "haptic_statistics": 376})
 

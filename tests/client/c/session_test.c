@@ -150,7 +150,7 @@ static void test_server(haptic_connection* connection) {
   haptic_server_info info = {.size = sizeof info};
   int32_t healthy = -1;
   CHECK(haptic_server(connection, &info, &error) == HAPTIC_OK);
-  CHECK(strcmp(info.version, haptic_version()) == 0 && info.realtime_grade[0] != 0);
+  CHECK(strcmp(info.version, haptic_version()) == 0 && info.realtime.grade[0] != 0);
   CHECK(strcmp(info.scene, "one finger at rest") == 0);
   CHECK(haptic_health(connection, NULL, &healthy, &error) == HAPTIC_OK && healthy >= 0);
   CHECK(haptic_health(connection, "glove", &healthy, &error) == HAPTIC_ERROR_NO_SUCH_DEVICE);

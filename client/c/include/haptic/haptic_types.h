@@ -1,7 +1,7 @@
 #ifndef HAPTIC_HAPTIC_TYPES_H
 #define HAPTIC_HAPTIC_TYPES_H
-/* The structs and constants of haptic.h; those of a state and of contacts are in the two headers
- * that this one includes.
+/* The structs and constants of haptic.h; those of contacts, of a state, and of the server and its
+ * devices are in the headers that this one includes.
  *
  * Every struct that is passed by pointer begins with `size`. Set it to sizeof of the struct, and
  * the rest to 0; in C: `haptic_state state = {.size = sizeof state};`. A later release adds fields
@@ -15,9 +15,8 @@
  * Units are SI.
  */
 #include <haptic/haptic_contact.h>
+#include <haptic/haptic_facts.h>
 #include <haptic/haptic_state.h>
-
-#define HAPTIC_MAX_NAME 64
 
 /* Results of every function. */
 enum {
@@ -53,59 +52,6 @@ typedef struct haptic_connect_options {
   const char* key_file;
   const char* server_name; /* NULL: the host in the address */
 } haptic_connect_options;
-
-typedef struct haptic_server_info {
-  size_t size;
-  char version[HAPTIC_MAX_NAME], protocol[HAPTIC_MAX_NAME], scene[256];
-  char realtime_grade[HAPTIC_MAX_NAME], realtime_explanation[256]; /* which rights it was given */
-  char insecure[1024]; /* what is not protected, a line each; empty: nothing */
-  uint64_t ticks, skipped_ticks;
-  uint64_t records_dropped; /* ticks that are missing in recording and telemetry */
-  double lateness_p50_us, lateness_p99_us, lateness_max_us; /* of ticks, over the last 10 s */
-  double tick_p50_us, tick_p99_us;                          /* how long a tick took */
-  char paced_by[HAPTIC_MAX_NAME]; /* the device whose samples begin ticks; empty: the timer */
-  uint64_t paced_by_sample;       /* number of ticks that began so */
-  uint64_t uptime_ns;
-  uint32_t sessions;
-} haptic_server_info;
-
-typedef struct haptic_dof {
-  char name[HAPTIC_MAX_NAME];
-  char unit[8]; /* "m" or "rad" */
-  int32_t actuated;
-  double lower, upper; /* its range */
-  double max_effort;   /* N or N m */
-} haptic_dof;
-
-typedef struct haptic_coordinate {
-  char name[HAPTIC_MAX_NAME];
-  char unit[8];
-  char kind[16]; /* "linear", "angle" (wraps) or "quaternion" (four in a row) */
-} haptic_coordinate;
-
-typedef struct haptic_device {
-  size_t size;
-  char name[HAPTIC_MAX_NAME], kind[HAPTIC_MAX_NAME], model[HAPTIC_MAX_NAME];
-  char serial[HAPTIC_MAX_NAME];         /* of a board; empty: it has none */
-  char calibrated[HAPTIC_MAX_NAME];     /* day of the calibration in use; empty: none is */
-  char controller[HAPTIC_MAX_NAME + 1]; /* client_name of who has the lease; empty: none */
-  char tracker[HAPTIC_MAX_NAME + 1];    /* client_name of who publishes poses; empty: none */
-  char unguarded[HAPTIC_MAX_NAME];      /* safeguards that the scene leaves out, apart by blanks */
-  int32_t moves;                        /* 0: a recording, which no force moves */
-  int32_t wants_tracker;                /* 1: a session with `tracker` has to publish poses */
-  int32_t measures_force;
-  int32_t state;
-  int32_t renderer; /* a Renderer of session.proto */
-  uint32_t faults;
-  uint32_t observers; /* how many sessions observe */
-  double loop_rate_hz;
-  uint32_t dof_count, actuated_count, coordinate_count;
-  haptic_dof dofs[HAPTIC_MAX_DOFS];
-  haptic_coordinate coordinates[HAPTIC_MAX_COORDINATES];
-  /* The most that haptic_update() may set, as in haptic_settings. */
-  haptic_dofs stiffness_limit, damping_limit, force_limit, slew_limit;
-  haptic_dofs engage_window; /* N or N m: force begins only while the spring's would be less */
-} haptic_device;
 
 enum { HAPTIC_STREAM_ONLY = 1, HAPTIC_UDP_ONLY = 2 }; /* options.carriers */
 enum { HAPTIC_PRIORITY_TEST = 1, HAPTIC_PRIORITY_PRIMARY = 2, HAPTIC_PRIORITY_OPERATOR = 3 };
@@ -151,7 +97,7 @@ typedef struct haptic_settings {
   char why_clamped[512];   /* in an answer: each of them, with the limit; a line each */
 } haptic_settings;
 
-/* Something that happened once: `kind` is an Event.Kind of session.proto, or this. */
+/* Something that happened once: `kind` is HAPTIC_EVENT_STATE, ... of haptic_state.h, or this. */
 enum { HAPTIC_EVENT_DISCONNECTED = 1000 }; /* state 1: the session reconnects; 0: it ended */
 typedef struct haptic_event {
   size_t size;

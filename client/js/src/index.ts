@@ -14,21 +14,15 @@
  * are bigints. */
 export { Connection } from "./connection.js";
 export type { ConnectionOptions } from "./connection.js";
-export {
-  contactAt, contactHorizon, cylinderCurvature, pointItself, pointOnFinger, pointOnJoints,
-  pointOnPose, sphereCurvature,
-} from "./contact.js";
-export type { Contact, JointAxis, PointMap } from "./contact.js";
+export * from "./contact.js";
 export { ClientError } from "./errors.js";
 export type { Code } from "./errors.js";
 export { Proxy, difference, keepDeepest } from "./proxy.js";
 export type { Plane, Pose } from "./proxy.js";
 export { Session } from "./session.js";
 export type { SessionOptions, Settings } from "./session_options.js";
-export { solve } from "./solve.js";
-export type { Solution, SolveOptions } from "./solve.js";
-export { bitNames, bitWords, enumName, stateFields } from "./state_fields.js";
-export type { BitWords, StateField } from "./state_fields.js";
+export * from "./solve.js";
+export * from "./state_fields.js";
 export type { PublishStatistics } from "./statistics.js";
 export type { Format } from "./stream.js";
 export type { TlsOptions } from "./transport.js";

@@ -12,6 +12,7 @@
 #         node        npm, which builds the JavaScript client and the page, and fetches buf
 #         browser     the browser of the page's tests
 #         firmware    the board's side
+#         kernel      what tests/hostile/kernel.sh boots Debian's kernel with
 #         containers  building and running images
 # Installs missing packages only; if none is missing it needs neither network nor root. "a|b" means:
 # a, or b if the distribution calls it so. Debian 12 has all of it; Ubuntu 24.04 the groups runtime,
@@ -40,6 +41,7 @@ packages() {
     node) echo "nodejs npm" ;;
     browser) echo "chromium fonts-dejavu-core" ;;
     firmware) echo "gcc-arm-none-eabi" ;;
+    kernel) echo "qemu-system-x86 cpio" ;;
     # An engine that needs neither daemon nor registry; docker/test.sh uses Docker if it runs.
     containers) echo "podman podman-compose runc netavark aardvark-dns iptables debootstrap" \
                      "dpkg-dev python3" ;;

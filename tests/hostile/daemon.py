@@ -109,9 +109,9 @@ PRESSED = ("0.25", "0.5236")  # rad: the first joint is held 0.27 rad short of w
 
 class Daemon:
     def __init__(self, folder, *arguments, scene="", server="", limits=(), env=None, user=None,
-                 record=True, devices=FINGER + SPARE, wait=True, web=False, **more):
+                 record=True, devices=FINGER + SPARE, wait=True, web=False, prefix=(), **more):
         """`limits`: of RLIMIT_*, (which, value) each. `web`: serves browsers too, and an observer's
-        token. `more`: of subprocess.Popen."""
+        token. `prefix`: a program that becomes hapticd. `more`: of subprocess.Popen."""
         self.folder = pathlib.Path(folder)
         self.folder.mkdir(parents=True, exist_ok=True)
         self.port, self.metrics = free_port(socket.SOCK_STREAM), free_port(socket.SOCK_STREAM)
@@ -132,8 +132,10 @@ class Daemon:
 
         def prepare():
             for which, value in limits:
-                resource.setrlimit(which, (value, value))
+                with contextlib.suppress(ValueError):  # a limit above what this host grants
+                    resource.setrlimit(which, (value, value))
             if user is not None:
+                os.setgroups([])
                 os.setgid(user)
                 os.setuid(user)
 
@@ -141,7 +143,7 @@ class Daemon:
             os.chown(self.folder, user, user)
         with open(self.log, "ab") as log:
             self.process = subprocess.Popen(
-                [PROGRAM, "--scene", str(file), *arguments], preexec_fn=prepare,
+                [*prefix, PROGRAM, "--scene", str(file), *arguments], preexec_fn=prepare,
                 env={**os.environ, **(env or {})},
                 **{"stdin": subprocess.DEVNULL, "stdout": log, "stderr": log, **more})
         self.pid = self.process.pid
@@ -221,17 +223,17 @@ class Way:
 STOP = Way(0.010, 0.010, 0.99)  # from connect to answer of the local control socket
 
 
-def local_stop(daemon):
-    """Stops the spare device as a user of this host does, by the local control socket: seconds from
+def local_stop(daemon, device="spare"):
+    """Stops a device as a user of this host does, by the local control socket: seconds from
     connect to answer. Raises OSError if it was not stopped."""
     began = time.monotonic()
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as control_socket:
         control_socket.settimeout(2.0)
         control_socket.connect(f"\0hapticd/127.0.0.1:{daemon.port}")
-        control_socket.send(b"stop spare\nrow")
+        control_socket.send(f"stop {device}\nrow".encode())
         words = control_socket.recv(512)
     seconds = time.monotonic() - began
-    if words != b"ok\nspare":
+    if words != f"ok\n{device}".encode():
         raise OSError(f"{words!r} after {seconds:.3f} s")
     return seconds
 

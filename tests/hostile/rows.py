@@ -11,6 +11,7 @@ import faults
 import files
 import grasps
 import http2
+import inside
 import messages
 import metrics
 import recordings
@@ -40,6 +41,9 @@ class Row:
     web: bool = False  # browsers are served
     descriptors: int = 0  # RLIMIT_NOFILE of hapticd; 0: this host's
     term_under: bool = False  # SIGTERM comes while the attack goes on
+    inside: bool = False  # the front has an attacker in it (inside.py)
+    landlock: int | None = None  # version of Landlock that the kernel is to have; None: its own
+    user: int | None = None  # hapticd runs as this user
     must_fail: str = ""  # a positive control: the suite must say this
 
 
@@ -200,3 +204,7 @@ ROWS = [
     Row("control_fault", "the suite sees it", faults.stopped_by_hand, "control",
         must_fail="fault EMERGENCY_STOP", regains=False),
 ]
+ROWS += [Row("front_" + mode.name, mode.expected, mode, "front", mode.finding, inside=True,
+             landlock=mode.landlock, **mode.more) for mode in inside.MODES]
+ROWS += [Row("front_" + name, expected, attack, "front", finding, alone=True, seconds=60)
+         for name, finding, expected, attack in inside.ALONE]

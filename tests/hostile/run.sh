@@ -31,6 +31,7 @@ for program in server/hapticd client/hapticctl hw/haptic-board-emulator; do
 done
 export HAPTICD=$build/server/hapticd HAPTICCTL=$build/client/hapticctl
 export HAPTIC_EMULATOR=$build/hw/haptic-board-emulator HAPTIC_RELAY=$build/tests/relay/haptic-relay
+export HAPTIC_FRONT_ATTACKER=$build/tests/haptic-front-attacker
 export PYTHONPATH=$build/tests/interop/proto PYTHONDONTWRITEBYTECODE=1  # the messages
 export HAPTIC_PYTHON=$build/client/python  # the package haptic, for the client that is attacked
 exec sh "$root/tests/interop/run_python.sh" /usr/bin/python3 "grpc;google.protobuf;cryptography" \

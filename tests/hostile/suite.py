@@ -16,6 +16,7 @@ import time
 import traceback
 
 import faults
+import inside
 from daemon import MB, STOP, Controller, Daemon, Probe, control, end_all, resident
 from frames import served
 from judge import (DEADLINES, Measured, failures, judge_ticks, late_stop, losses, median_interval,
@@ -99,7 +100,11 @@ def attack(row, folder):
     """One row against a daemon with a controller in contact."""
     m = Measured()
     few = [(resource.RLIMIT_NOFILE, row.descriptors)] if row.descriptors else []
-    daemon = Daemon(folder, *row.options, server=row.server, limits=few, web=row.web)
+    if row.user is not None:
+        few += [(resource.RLIMIT_RTPRIO, 95), (resource.RLIMIT_MEMLOCK, resource.RLIM_INFINITY)]
+    daemon = Daemon(folder, *row.options, server=row.server, limits=few, web=row.web,
+                    user=row.user,
+                    env=inside.environment(folder, row.landlock) if row.inside else None)
     m.realtime = daemon.realtime()
     controller = Controller(daemon.address)
     try:
@@ -147,7 +152,8 @@ def attack(row, folder):
         m.quiet_skipped = round(m.quiet_skipped * m.seconds / (quiet_ended - quiet_began))
         m.skipped = skipped(ticks, began, ended)
         m.lost = losses(ticks, began, ended)
-        m.false_alarm = row.attack is not faults.frozen and SILENT_FRONT in daemon.text()
+        hangs = row.attack is faults.frozen or row.name == "front_stops_itself"
+        m.false_alarm = not hangs and SILENT_FRONT in daemon.text()
     finally:
         controller.kill()
         daemon.kill()

@@ -1,0 +1,247 @@
+// Both processes hold these: descriptors and their open file descriptions, pages, sockets.
+
+#include <fcntl.h>
+#include <linux/filter.h>
+#include <linux/futex.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <thread>
+
+#include "tests/hostile/front/inside.hpp"
+
+namespace haptic::hostile {
+namespace {
+
+using namespace std::chrono_literals;
+
+void pause_until_over(const Inside& in) {
+  while (in.goes_on()) std::this_thread::sleep_for(5ms);
+}
+
+bool is_socket(int fd) {
+  struct stat status {};
+  return fstat(fd, &status) == 0 && S_ISSOCK(status.st_mode);
+}
+
+int option(int fd, int name) {
+  int value = -1;
+  socklen_t size = sizeof value;
+  return getsockopt(fd, SOL_SOCKET, name, &value, &size) == 0 ? value : -1;
+}
+
+/// Whoever reads or writes one of them on the other side waits.
+void make_blocking(const Inside& in) {
+  for (const int fd : in.given) fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) & ~O_NONBLOCK);
+}
+
+/// Word: "deaf": what rings at the owner's is cut off as well.
+void blocking(Inside& in) {
+  make_blocking(in);
+  std::array<int, 2> ends{};
+  const bool deaf = !in.words.empty() && pipe2(ends.data(), O_NONBLOCK | O_CLOEXEC) == 0;
+  for (const int fd : in.given) {
+    struct stat status {};
+    const bool anonymous = fstat(fd, &status) == 0 && (status.st_mode & S_IFMT) == 0;
+    if (deaf && anonymous) dup2(ends[1], fd);
+  }
+  pause_until_over(in);
+}
+
+/// A signal to the owner, from what the kernel tells of a descriptor. Words: processes.
+void signals_by_descriptor(Inside& in) {
+  std::vector<int> all = in.given;
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_NONBLOCK | O_CLOEXEC) == 0) all.insert(all.end(), {ends[0], ends[1]});
+  while (in.goes_on()) {
+    for (std::size_t word = 0; word < in.words.size(); ++word) {
+      const int pid = static_cast<int>(in.number(word));
+      const f_owner_ex to{F_OWNER_PID, pid};
+      for (const int fd : all) {
+        int on = 1;
+        fcntl(fd, F_SETSIG, SIGKILL);
+        if (fcntl(fd, F_SETOWN, pid) != 0 && fcntl(fd, F_SETOWN_EX, &to) != 0) {
+          ioctl(fd, FIOSETOWN, &pid);
+        }
+        if (fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_ASYNC) != 0) ioctl(fd, FIOASYNC, &on);
+      }
+      char byte = 0;
+      static_cast<void>(write(ends[1], "x", 1) + read(ends[0], &byte, 1));
+      std::this_thread::sleep_for(20ms);
+    }
+  }
+}
+
+void locks(Inside& in) {
+  for (const int fd : in.given) {
+    struct flock whole {};
+    whole.l_type = F_WRLCK;
+    flock(fd, LOCK_EX | LOCK_NB);
+    fcntl(fd, F_OFD_SETLK, &whole);
+    fcntl(fd, F_SETLK, &whole);
+    fcntl(fd, F_SETLEASE, F_WRLCK);
+  }
+  pause_until_over(in);
+}
+
+/// Holes, sizes, seals, protection and eviction of every shared page, again and again.
+void pages(Inside& in) {
+  const std::vector<int> shared = shared_pages(in);
+  while (in.goes_on()) {
+    for (const int fd : shared) {
+      struct stat status {};
+      fstat(fd, &status);
+      const auto bytes = static_cast<std::size_t>(status.st_size);
+      fallocate(fd, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0, status.st_size);
+      fallocate(fd, FALLOC_FL_ZERO_RANGE, 0, status.st_size);
+      static_cast<void>(ftruncate(fd, 0));
+      for (const int seal : {F_SEAL_WRITE, F_SEAL_FUTURE_WRITE, F_SEAL_SEAL}) {
+        fcntl(fd, F_ADD_SEALS, seal);
+      }
+      for (const int protection : {PROT_READ | PROT_WRITE, PROT_READ}) {
+        void* const mapped = mmap(nullptr, bytes, protection, MAP_SHARED, fd, 0);
+        if (mapped == MAP_FAILED) continue;
+        mprotect(mapped, bytes, PROT_READ | PROT_WRITE | PROT_EXEC);
+        for (const int advice : {MADV_REMOVE, MADV_PAGEOUT, MADV_COLD, MADV_DONTNEED}) {
+          madvise(mapped, bytes, advice);
+        }
+        munmap(mapped, bytes);
+      }
+    }
+  }
+}
+
+/// Many wait for the word by which the owner wakes the front, and move each other about.
+void futexes(Inside& in) {
+  std::vector<std::thread> waiting;
+  for (const int fd : shared_pages(in)) {
+    void* const mapped = mmap(nullptr, 4096, PROT_READ, MAP_SHARED, fd, 0);
+    if (mapped == MAP_FAILED) continue;
+    auto* const word = static_cast<std::uint32_t*>(mapped);
+    for (int i = 0; i < 100; ++i) {
+      waiting.emplace_back([word, &in, i] {
+        std::uint32_t other = 0;
+        const timespec moment{0, 1'000'000};
+        while (in.goes_on()) {
+          const std::uint32_t now = *static_cast<volatile std::uint32_t*>(word);
+          if (i < 96) {
+            syscall(SYS_futex, word, FUTEX_WAIT, now, &moment, nullptr, 0);
+          } else {
+            syscall(SYS_futex, word, FUTEX_REQUEUE, 1, 1000, &other, 0);
+            syscall(SYS_futex, word, FUTEX_WAKE, 1000, nullptr, nullptr, 0);
+          }
+        }
+      });
+    }
+  }
+  for (std::thread& each : waiting) each.join();
+}
+
+/// Word: "shut", "filter", "backlog" or "link". The front ends then, and the next gets the same
+/// sockets.
+void sockets(Inside& in) {
+  const std::string how = in.words.empty() ? "shut" : in.words[0];
+  sock_filter nothing{BPF_RET | BPF_K, 0, 0, 0};
+  const sock_fprog drop{1, &nothing};
+  const sockaddr_in nowhere{AF_INET, htons(9), {htonl(INADDR_LOOPBACK)}, {}};
+  const int hour = 3600, little = 1;
+  int done = how == "link" && shutdown(kLink, SHUT_RDWR) == 0 ? 1 : 0;
+  for (const int fd : in.given) {
+    if (fd == kLink || !is_socket(fd) || how == "link") continue;
+    if (how == "shut") {
+      done += shutdown(fd, SHUT_RDWR) == 0 ? 1 : 0;
+      connect(fd, reinterpret_cast<const sockaddr*>(&nowhere), sizeof nowhere);
+    } else if (how == "filter") {
+      done += setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &drop, sizeof drop) == 0 ? 1 : 0;
+      setsockopt(fd, SOL_SOCKET, SO_LOCK_FILTER, &little, sizeof little);
+    } else {
+      done += ::listen(fd, 0) == 0 ? 1 : 0;
+      setsockopt(fd, IPPROTO_TCP, TCP_DEFER_ACCEPT, &hour, sizeof hour);
+      setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &little, sizeof little);
+      setsockopt(fd, IPPROTO_IP, IP_TTL, &little, sizeof little);
+    }
+  }
+  answer(how + " " + std::to_string(done));
+  if (how != "link") _exit(9);
+  pause_until_over(in);
+}
+
+/// A message to the owner with descriptors.
+bool send_with(const std::vector<int>& descriptors, std::size_t bytes) {
+  static std::array<char, 8192> zeros{};
+  iovec part{zeros.data(), bytes};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int) * 253)> control{};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = CMSG_SPACE(sizeof(int) * descriptors.size());
+  cmsghdr* const header = CMSG_FIRSTHDR(&message);
+  header->cmsg_level = SOL_SOCKET;
+  header->cmsg_type = SCM_RIGHTS;
+  header->cmsg_len = CMSG_LEN(sizeof(int) * descriptors.size());
+  std::copy(descriptors.begin(), descriptors.end(), reinterpret_cast<int*>(CMSG_DATA(header)));
+  return sendmsg(kLink, &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
+}
+
+/// 253 ends of a pipe with every message.
+void descriptors_to_owner(Inside& in) {
+  std::array<int, 2> ends{};
+  static_cast<void>(pipe(ends.data()));
+  const std::vector<int> many(253, ends[0]);
+  std::uint64_t sent = 0;
+  while (in.goes_on()) {
+    if (send_with(many, sizeof(server::FrontMessage))) ++sent;
+    std::this_thread::sleep_for(1ms);
+  }
+  answer("sent " + std::to_string(sent));
+}
+
+/// Connections whose close waits for a peer that does not read: the last to close them is the
+/// owner.
+void lingering(Inside& in) {
+  std::vector<char> junk(1 << 16);
+  const linger patience{1, 60};
+  int given_away = 0;
+  for (int fd = kLink + 1; fd < kOwn; ++fd) {
+    if (option(fd, SO_DOMAIN) != AF_INET || option(fd, SO_TYPE) != SOCK_STREAM ||
+        option(fd, SO_ACCEPTCONN) != 0) {
+      continue;
+    }
+    while (send(fd, junk.data(), junk.size(), MSG_DONTWAIT | MSG_NOSIGNAL) > 0) continue;
+    setsockopt(fd, SOL_SOCKET, SO_LINGER, &patience, sizeof patience);
+    if (send_with({fd}, sizeof(server::FrontMessage))) ++given_away;
+    close(fd);
+  }
+  answer("gave away " + std::to_string(given_away));
+  pause_until_over(in);
+}
+
+}  // namespace
+
+std::vector<int> shared_pages(const Inside& in) {
+  std::vector<int> found = in.given;
+  std::erase_if(found, [](int fd) { return fcntl(fd, F_GET_SEALS) < 0; });
+  return found;
+}
+
+const std::vector<Mode> kDescriptorModes{{"blocking", blocking},
+                                         {"setown", signals_by_descriptor},
+                                         {"locks", locks},
+                                         {"pages", pages},
+                                         {"futexes", futexes},
+                                         {"sockets", sockets},
+                                         {"rights", descriptors_to_owner},
+                                         {"lingering", lingering}};
+
+}  // namespace haptic::hostile

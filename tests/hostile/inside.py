@@ -1,0 +1,299 @@
+"""Attacks from inside the front: the front of the product, confined, with one thread more that does
+what it is told (front/inside.hpp). The table of these modes, and what each must come to."""
+
+import contextlib
+import dataclasses
+import os
+import pathlib
+import pty
+import re
+import select
+import signal
+import time
+
+from daemon import (MB, Controller, Daemon, control, data_limit, descendants, fronts_of,
+                    local_stop)
+from judge import TERM_S, judge_ticks, read_record
+
+PROGRAM = os.environ.get("HAPTIC_FRONT_ATTACKER", "haptic-front-attacker")
+USER = 65534  # that runs hapticd in some rows, instead of root
+STOPPED_S = 0.010  # from the answer to a local stop until there is no force
+LOG_RATE = 2 * MB  # per second, of the log on the owner's side
+
+
+def environment(folder, landlock=None):
+    """For hapticd: its front is the attacker's. `landlock`: the version that the kernel is to have;
+    0: none."""
+    place = pathlib.Path(folder) / "front"
+    place.mkdir(parents=True)
+    (place / "hapticd-front").symlink_to(PROGRAM)
+    for name in ("commands", "answers"):
+        os.mkfifo(place / name)
+        os.chmod(place / name, 0o666)
+    if landlock is not None:
+        (place / "landlock").write_text(str(landlock))
+    return {"HAPTICD_FRONT": str(place / "hapticd-front")}
+
+
+class Attacker:
+    """The thread in the front of a daemon."""
+
+    def __init__(self, daemon):
+        place = daemon.folder / "front"
+        self.commands, self.answers = (os.open(place / name, os.O_RDWR | os.O_NONBLOCK)
+                                       for name in ("commands", "answers"))
+
+    def tell(self, mode, seconds, *words):
+        os.write(self.commands, " ".join([mode, str(seconds), *map(str, words)]).encode())
+
+    def hear(self, seconds):
+        """Lines until "done", or for so long."""
+        end, text = time.monotonic() + seconds, b""
+        while time.monotonic() < end and not text.endswith(b"done\n"):
+            if select.select([self.answers], [], [], 0.1)[0]:
+                text += os.read(self.answers, 1 << 16)
+        return text.decode(errors="replace").splitlines()
+
+
+def control_names(daemon):
+    """Where the local control socket may be; '@': in the abstract namespace."""
+    names = [f"@hapticd/127.0.0.1:{daemon.port}"]
+    with contextlib.suppress(OSError):
+        for line in pathlib.Path("/proc/net/unix").read_text().splitlines():
+            path = line.split()[-1]
+            if "hapticd" in path and path not in names:
+                names.append(path)
+    return names
+
+
+def words_of(daemon):
+    """What %-words of a command stand for."""
+    family = descendants(daemon.pid)
+    launcher = next((pid for pid, name in family.items() if name.startswith("hapticd-launch")), 1)
+    return {"%owner": daemon.pid, "%launcher": launcher, "%folder": daemon.folder,
+            "%control": " ".join(control_names(daemon))}
+
+
+@dataclasses.dataclass(frozen=True)
+class Mode:
+    name: str
+    finding: str
+    expected: str
+    command: str  # mode of the attacker, then words
+    seconds: float = 2.5
+    ends: bool = False  # the front is killed in the end: another must serve
+    landlock: int | None = None
+    more: dict = dataclasses.field(default_factory=dict)  # fields of its row
+    after: object = None  # after(daemon, what the attacker said): what is wrong
+
+    def __call__(self, daemon):
+        attacker = Attacker(daemon)
+        mode, *words = self.command.split()
+        stands_for = words_of(daemon)
+        before = daemon.log.stat().st_size
+        attacker.tell(mode, self.seconds, *[stands_for.get(word, word) for word in words])
+        said = attacker.hear(self.seconds + (0.5 if self.ends else 8.0))
+        wrong = [line for line in said if line.startswith(("GOT IN", "unknown"))]
+        if self.landlock == 0 and "no Landlock" in daemon.text():  # the log says it
+            wrong = [line for line in wrong if not line.startswith(FILES)]
+        if said[-1:] != ["done"] and not self.ends:
+            wrong.append("the attacker did not end")
+        if self.ends:
+            for pid in daemon.fronts():
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+        if self.after:
+            wrong += self.after(daemon, said)
+        grown = (daemon.log.stat().st_size - before) / self.seconds
+        if grown > LOG_RATE:
+            wrong.append(f"the log grew by {grown / MB:.0f} MB/s")
+        return {"wrong": wrong, "notes": [summary(said)]}
+
+
+def summary(said):
+    """How calls were denied, and what else was said."""
+    how = {}
+    for line in said:
+        if line.startswith("denied"):
+            how[line.split(": ")[-1]] = how.get(line.split(": ")[-1], 0) + 1
+    words = [f"{count} {name}" for name, count in sorted(how.items())]
+    other = [line for line in said if not line.startswith(("denied", "GOT IN")) and line != "done"]
+    return ", ".join((["denied: " + ", ".join(words)] if words else []) + other) or "done"
+
+
+def took_no_more(daemon, said):
+    """Memory beyond the limit on data, by what the attacker got."""
+    limit = next(filter(None, map(data_limit, daemon.fronts())), 512 * MB) / MB
+    return [f"{line} MB, the limit is {limit:.0f}" for line in said
+            if re.fullmatch(r"[a-z]+ \d+", line) and int(line.split()[1]) > 1.2 * limit]
+
+
+def clean_log(daemon, said):
+    """Lines of the owner keep coming, and none is forged."""
+    from signals import dirty
+    found = dirty(daemon.log.read_bytes())
+    return [f"in the log: {' '.join(sorted(found))}"] if found else []
+
+
+def restarts(daemon, said):
+    """A front that beats and does nothing else is replaced when the operator says so."""
+    took, status, words = control(daemon, "restart-front", timeout=6.0)
+    return [] if status == 0 and took < 4.0 else [f"restart-front: {words[-80:]} ({took:.1f} s)"]
+
+
+def stays_stopped(daemon, said):
+    """The spare device, which is stopped all the time: no clear of it was obeyed."""
+    time.sleep(0.4)  # what is recorded is written by then
+    record = daemon.folder / "run-spare.csv"
+    with open(record, encoding="utf-8") as rows:
+        column = next(rows).rstrip("\n").split(",").index("state")
+        states = [row.split(",")[column] for row in rows if row.count(",") >= column]
+    first = states.index("FAULT") if "FAULT" in states else len(states)
+    freed = [state for state in states[first:] if state != "FAULT"]
+    return [f"a local stop was cleared: {freed[0]}"] if freed or first == len(states) else []
+
+
+FILES = tuple(f"GOT IN {call}" for call in ("open", "mkdir", "mknod", "symlink", "link", "rename",
+                                            "unlink", "truncate"))
+DENIED = "denied"
+SURVIVED = "owner, stops and force as without; served again within 1 s"
+ALL_CALLS = "calls %owner %launcher %folder %control"
+MEMORY = ("private", "shared", "memfd", "tmpfs", "shmget", "pipes", "sockets")
+
+MODES = [
+    Mode("calls", "F2 F4 F11", DENIED, ALL_CALLS, 1.0),
+    *[Mode(f"calls_landlock_{version}", "F4", DENIED, ALL_CALLS, 1.0, landlock=version)
+      for version in (0, 1, 2, 5)],
+    *[Mode(f"setown{suffix}", "F4", "no signal", "setown %owner %launcher", landlock=version)
+      for suffix, version in (("", None), ("_landlock_0", 0), ("_landlock_5", 5))],
+    Mode("calls_user", "F4 F11", DENIED, ALL_CALLS, 1.0, more={"user": USER}),
+    Mode("setown_user", "F4", "no signal", "setown %owner %launcher", landlock=0,
+         more={"user": USER}),
+    Mode("blocking", "F1", SURVIVED, "blocking", ends=True),
+    Mode("blocking_deaf", "F1", SURVIVED, "blocking deaf", ends=True),
+    Mode("pages", "F5", SURVIVED, "pages", 5.0),
+    Mode("futexes", "F5", SURVIVED, "futexes"),
+    Mode("locks", "F1", SURVIVED, "locks"),
+    *[Mode(f"sockets_{how}", "F1", SURVIVED, f"sockets {how}", ends=True)
+      for how in ("shut", "filter", "backlog", "link")],
+    Mode("rights", "F1", SURVIVED, "rights"),
+    Mode("lingering", "F1", SURVIVED, "lingering", ends=True),
+    Mode("operates", "F1", "force within its limits", "operate", 4.0),
+    Mode("clears", "F2", "a local stop stays", "clears", after=stays_stopped),
+    Mode("requests", "F5", SURVIVED, "requests", more={"term_under": True}),
+    Mode("samples", "F5", SURVIVED, "samples", more={"term_under": True}),
+    Mode("lies", "F5", SURVIVED, "lies", ends=True, after=clean_log),
+    Mode("odd", "F5", SURVIVED, "odd", ends=True),
+    *[Mode(f"memory_{kind}", "F11", "no more than the limit", f"memory {kind}", 6.0, ends=True,
+           after=took_no_more, more={"seconds": 40.0}) for kind in MEMORY],
+    Mode("users", "F11", SURVIVED, "users", 5.0, ends=True),
+    Mode("users_user", "F11", SURVIVED, "users", 5.0, ends=True, more={"user": USER}),
+    Mode("noise", "F11", SURVIVED, "noise", 5.0),
+    Mode("log", "F14", "clean, and bounded", "log", after=clean_log),
+    Mode("log_shut", "F1", SURVIVED, "log shut", ends=True),
+    *[Mode(f"dies_{how}", "F12", SURVIVED, f"dies {how}", 0.3, ends=True)
+      for how in ("exit", "abort", "overflow")],
+    Mode("stops_itself", "F12", "replaced", "dies stop", ends=True),
+    Mode("hangs", "F12", "replaced when asked", "dies hang", after=restarts),
+]
+
+
+def plays(folder, *commands):
+    """The attacker plays the client that died. That is allowed within the limits; a local stop ends
+    it, whatever else it does, and SIGTERM ends hapticd."""
+    daemon = Daemon(folder, env=environment(folder))
+    controller = Controller(daemon.address)
+    wrong, notes = [], []
+    try:
+        if controller.engaged_within(20.0) is None:
+            return {"wrong": ["no force before the attack"]}
+        time.sleep(0.7)
+        attacker = Attacker(daemon)
+        for command in commands:
+            mode, *words = command.split()
+            attacker.tell(mode, 30.0, *words)
+            time.sleep(0.2)
+        controller.kill()
+        died = time.monotonic()
+        time.sleep(2.0)
+        asked = time.monotonic()
+        try:
+            notes.append(f"stop {1e3 * local_stop(daemon, 'finger'):.1f} ms")
+        except OSError as why:
+            wrong.append(f"local stop: {why}")
+        time.sleep(2.0)
+        took, status = daemon.stop()
+        if took > TERM_S or status != 0:
+            wrong.append(f"SIGTERM: status {status} after {took:.1f} s")
+    finally:
+        controller.kill()
+        daemon.kill()
+    ticks = read_record(daemon.record)
+    force, faults = judge_ticks(ticks, ("EMERGENCY_STOP",))
+    pressed = [t.at * 1e-9 for t in ticks if t.tau and t.at * 1e-9 > died]
+    notes.append(f"force {max(pressed, default=died) - died:.2f} s after the client's death")
+    late = [at for at in pressed if at > asked + STOPPED_S]
+    if late:
+        wrong.append(f"force until {late[-1] - asked:.3f} s after a local stop")
+    return {"wrong": wrong + ([force] if force else []) + faults, "notes": notes}
+
+
+def plays_client(folder):
+    return plays(folder, "pretend alone clears")
+
+
+def plays_client_blocking(folder):
+    return plays(folder, "blocking deaf", "pretend alone clears")
+
+
+def terminal(folder):
+    """hapticd in a terminal, into which the front would type (TIOCSTI)."""
+    keys = pathlib.Path("/proc/sys/dev/tty/legacy_tiocsti")
+    if keys.exists() and keys.read_text().strip() == "0":
+        return {"notes": ["not on this host: dev.tty.legacy_tiocsti is 0"]}
+    here, there = pty.openpty()
+    daemon = Daemon(folder, env=environment(folder), record=False, stdin=there, stdout=there,
+                    stderr=there, prefix=("setsid", "--ctty"))
+    try:
+        answer = MODES[0](daemon)
+    finally:
+        daemon.stop()
+    os.set_blocking(there, False)
+    with contextlib.suppress(OSError):
+        answer["wrong"].append(f"typed {os.read(there, 100)!r}")
+    os.close(here)
+    os.close(there)
+    return answer
+
+
+def launcher_stopped(folder):
+    """The launcher stands still, then the front dies: stops and SIGTERM go on, and it is said."""
+    daemon = Daemon(folder, record=False)
+    launcher = words_of(daemon)["%launcher"]
+    wrong = []
+    try:
+        os.kill(launcher, signal.SIGSTOP)
+        for pid in fronts_of(daemon.pid):
+            os.kill(pid, signal.SIGKILL)
+        time.sleep(4.0)
+        if "launcher" not in daemon.text():
+            wrong.append("the log does not name the launcher")
+        try:
+            local_stop(daemon)
+        except OSError as why:
+            wrong.append(f"local stop: {why}")
+        took, status = daemon.stop()
+        if took > TERM_S:
+            wrong.append(f"SIGTERM took {took:.1f} s, status {status}")
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(launcher, signal.SIGKILL)
+        daemon.kill()
+    return {"wrong": wrong}
+
+
+ALONE = [("plays_client", "F1", "within limits; a local stop ends it", plays_client),
+         ("plays_client_blocking", "F1", "within limits; a local stop ends it",
+          plays_client_blocking),
+         ("terminal", "F3", "nothing is typed", terminal),
+         ("launcher_stopped", "F12", "said; stops and SIGTERM as always", launcher_stopped)]

@@ -1,0 +1,94 @@
+#!/usr/bin/python3
+"""Process 1 of the machine that kernel.sh boots: some modes of inside.py as root and as a user, a
+line each. No times are judged: the machine is slow."""
+
+import ctypes
+import fcntl
+import os
+import socket
+import struct
+import sys
+import time
+import traceback
+
+sys.path.insert(0, "/suite")
+os.environ.update(PATH="/usr/bin", HAPTICD="/usr/bin/hapticd", HAPTICCTL="/usr/bin/hapticctl",
+                  HAPTIC_FRONT_ATTACKER="/usr/bin/haptic-front-attacker")
+NAMES = ("calls", "setown", "blocking_deaf", "pages", "sockets_shut", "rights", "clears",
+         "memory_memfd", "dies_abort", "log")
+PATIENCE_S, SERVED_S = 120.0, 30.0
+POWER_OFF = 0x4321FEDC
+
+
+def say(words):
+    print(f"row: {words}", flush=True)
+
+
+def prepare():
+    libc = ctypes.CDLL(None, use_errno=True)
+    for kind, place in (("devtmpfs", "/dev"), ("proc", "/proc"), ("sysfs", "/sys"),
+                        ("tmpfs", "/tmp"), ("tmpfs", "/run"), ("devpts", "/dev/pts"),
+                        ("tmpfs", "/dev/shm")):
+        os.makedirs(place, exist_ok=True)
+        libc.mount(kind.encode(), place.encode(), kind.encode(), 0, None)
+    os.chmod("/tmp", 0o1777)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
+        fcntl.ioctl(any_socket, 0x8914, struct.pack("16sH14x", b"lo", 1))  # SIOCSIFFLAGS, IFF_UP
+    return libc
+
+
+def attack(mode, user):
+    """What was wrong, and notes."""
+    import inside
+    from daemon import Daemon, local_stop
+    from faults import until_served
+    folder = f"/tmp/{mode.name}-{user}"
+    daemon = Daemon(folder, env=inside.environment(folder), user=user, wait=False, limits=())
+    try:
+        daemon.wait_served(PATIENCE_S)
+        local_stop(daemon)
+        answer = mode(daemon)
+        wrong = answer["wrong"]
+        if daemon.process.poll() is not None:
+            return [*wrong, f"hapticd died, status {daemon.process.returncode}"], ""
+        if until_served(daemon, SERVED_S) is None:
+            wrong.append("not served again")
+        try:
+            local_stop(daemon)
+        except OSError as why:
+            wrong.append(f"local stop: {why}")
+        took, status = daemon.stop(PATIENCE_S)
+        if status != 0:
+            wrong.append(f"hapticd ended with {status} after {took:.0f} s")
+        return wrong, "; ".join(answer["notes"])
+    finally:
+        daemon.kill()
+        for line in daemon.text().splitlines():
+            if "confinement" in line:
+                say(f"    {line}")
+
+
+def main():
+    libc = prepare()
+    failed = 0
+    try:
+        import inside
+        landlock = libc.syscall(444, None, 0, 1)
+        say(f"Linux {os.uname().release}, Landlock {max(landlock, 0)}")
+        for user in (None, inside.USER):
+            for mode in (mode for mode in inside.MODES if mode.name in NAMES):
+                began = time.monotonic()
+                wrong, notes = attack(mode, user)
+                failed += bool(wrong)
+                say(f"{'FAILED' if wrong else 'held  '} front_{mode.name} as "
+                    f"{'root' if user is None else 'a user'} ({time.monotonic() - began:.0f} s): "
+                    f"{'; '.join(wrong) or notes}")
+        say(f"{failed} failed")
+    except Exception:  # noqa: BLE001  process 1 must not end
+        say(traceback.format_exc().replace("\n", " | "))
+    os.sync()
+    libc.reboot(POWER_OFF)
+
+
+if __name__ == "__main__":
+    main()

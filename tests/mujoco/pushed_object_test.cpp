@@ -35,11 +35,13 @@ struct Pile {
     surroundings.look(*world.m(), *world.d(), rate, bodies);
     return surroundings.dofs();
   }
-  PushedObject law(const char* name) {
+  client::Contact law(const char* name) {
     const int body = world.id(mjOBJ_BODY, name);
     const mjtNum* at = world.d()->xpos + 3 * body;
-    return surroundings.object(*world.m(), *world.d(), body, {at[0] - 0.02, at[1], at[2] + 0.01},
-                               {-1.0, 0.0, 0.0}, 0.0);
+    client::Contact told{.normal = {-1.0, 0.0, 0.0}};
+    static_cast<void>(surroundings.object(*world.m(), *world.d(), body,
+                                          {at[0] - 0.02, at[1], at[2] + 0.01}, 0.0, told));
+    return told;
   }
   World world;
   BoundTool tool;
@@ -64,7 +66,7 @@ TEST(PushedObject, OnlyWhatIsConnectedCounts) {
   }
 }
 
-void expect_same(const PushedObject& a, const PushedObject& b) {
+void expect_same(const client::Contact& a, const client::Contact& b) {
   EXPECT_GT(a.mass, 0.01);
   EXPECT_NEAR(a.mass, b.mass, 1e-9 * a.mass);
   EXPECT_NEAR(a.damping, b.damping, 1e-9 * a.damping);

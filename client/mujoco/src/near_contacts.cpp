@@ -127,16 +127,15 @@ std::vector<NearContact> NearContacts::find(const mjModel& model, mjData& data,
   }
   ids_.begin();
   surroundings_.look(model, data, rate, bodies);
-  std::vector<NearContact> found;
+  std::vector<NearContact> found(near_ones.size());
   std::vector<PushedObject> pushed;
+  auto near = found.begin();
   for (const int i : near_ones) {
     const mjContact& c = data.contact[i];
     const bool second = tool_->moves(model.geom_bodyid[c.geom2]);
     const int geom = second ? c.geom2 : c.geom1, other = second ? c.geom1 : c.geom2;
     const int body = model.geom_bodyid[geom], object = model.geom_bodyid[other];
-    NearContact near;
-    PushedObject& way = pushed.emplace_back();
-    client::Contact& told = near.contact;
+    auto& [told, pressing] = *near++;
     told.normal = add({}, second ? 1.0 : -1.0, vector_at(c.frame));
     told.gap = gap_of(c);
     const double radius = radius_of(model, geom);
@@ -148,7 +147,7 @@ std::vector<NearContact> NearContacts::find(const mjModel& model, mjData& data,
     if (c.efc_address >= 0) {
       mjtNum force[6];
       mj_contactForce(&model, &data, i, force);
-      near.force = force[0];
+      pressing = force[0];
     }
     if (tool_->moves(object)) {
       const double other_radius = radius_of(model, other);
@@ -162,24 +161,14 @@ std::vector<NearContact> NearContacts::find(const mjModel& model, mjData& data,
       if (radius > 0.0 && told.point.jacobian.size() <= kMostCurved) {
         told.curvature = curvature_of(model, data, other, told.normal, beyond, c.dist + radius);
       }
-      way = surroundings_.object(model, data, object, beyond, told.normal, near.force);
+      auto way = surroundings_.object(model, data, object, beyond, pressing, told);
+      if (way) pushed.push_back(*std::move(way));
     }
     if (radius == 0.0) told.point.second.clear();  // the place of contact moves along the tool
     told.stiffness = 1.0 / (1.0 / ContactSpring(model, c).stiffness(-told.gap) + give);
     told.id = ids_.id(pair_of(c), in_geom(data, geom, surface));
-    found.push_back(near);
   }
   Surroundings::share(pushed);
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    client::Contact& told = found[i].contact;
-    told.mass = pushed[i].mass;
-    told.damping = pushed[i].damping;
-    told.ground_stiffness = pushed[i].ground_stiffness;
-    told.load = pushed[i].load;
-    told.velocity = pushed[i].velocity;
-    told.object = pushed[i].object;
-    told.object_direction = std::move(pushed[i].direction);
-  }
   return found;
 }
 

@@ -41,16 +41,17 @@ double along(const std::vector<double>& a, const std::vector<double>& b) {
 
 /// Directions with these cosines between them, by Cholesky's rule: each is a sum of those that came
 /// before it, and of a new one if there is room.
-void find_directions(const std::vector<PushedObject*>& together) {
+void find_directions(const std::vector<const PushedObject*>& together) {
   std::vector<const PushedObject*> news;
-  for (PushedObject* object : together) {
-    std::vector<double>& e = object->direction;
+  for (const PushedObject* object : together) {
+    std::vector<double>& e = object->told->object_direction;
     double left = 1.0;
     for (const PushedObject* base : news) {
+      const std::vector<double>& known = base->told->object_direction;
       const double cosine = object->give * along(object->motion, base->recedes) /
                             std::sqrt(object->give * base->give);
-      const double told = std::inner_product(e.begin(), e.end(), base->direction.begin(), 0.0);
-      e.push_back((cosine - told) / base->direction.back());
+      const double told = std::inner_product(e.begin(), e.end(), known.begin(), 0.0);
+      e.push_back((cosine - told) / known.back());
       left -= e.back() * e.back();
     }
     if (left > kNewMotion && news.size() < kMostMotions) {
@@ -238,60 +239,53 @@ void Surroundings::look_at_row(const mjModel& model, const mjData& data, int ind
   rows_.push_back(std::move(row));
 }
 
-PushedObject Surroundings::object(const mjModel& model, const mjData& data, int body,
-                                  const Vector3& position, const Vector3& normal,
-                                  double force) const {
-  PushedObject object;
+std::optional<PushedObject> Surroundings::object(const mjModel& model, const mjData& data, int body,
+                                                 const Vector3& position, double force,
+                                                 client::Contact& told) const {
   const std::size_t n = dofs_.size(), nv = static_cast<std::size_t>(model.nv);
   if (n == 0 || model.body_weldid[body] == 0) return {};
   std::vector<mjtNum> jacobian(3 * nv);
   mj_jac(&model, &data, jacobian.data(), nullptr, position.data(), body);
   std::vector<double> away(n);
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) away[i] -= normal[k] * jacobian[k * nv + dofs_[i]];
-    object.velocity += away[i] * rate_[dofs_[i]];
+    for (std::size_t k = 0; k < 3; ++k) away[i] -= told.normal[k] * jacobian[k * nv + dofs_[i]];
   }
   if (along(away, away) == 0.0) return {};
-  object.root = model.body_rootid[body];
-  object.force = force;
   std::vector<double> u = away;
   H_.solve(u);
   const double give = along(away, u);
   if (!(give * kHeaviest > 1.0)) return {};
-  object.load = -force;
+  told.load = -force;
   for (std::size_t i = 0; i < n; ++i) u[i] /= give;
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t dof = dofs_[i];
-    object.damping += model.dof_damping[dof] * u[i] * u[i];
-    object.ground_stiffness += model.jnt_stiffness[model.dof_jntid[dof]] * u[i] * u[i];
-    object.load += u[i] * push_[i];
+    told.velocity += away[i] * rate_[dof];
+    told.damping += model.dof_damping[dof] * u[i] * u[i];
+    told.ground_stiffness += model.jnt_stiffness[model.dof_jntid[dof]] * u[i] * u[i];
+    told.load += u[i] * push_[i];
   }
-  for (const Mass& mass : M_) object.mass += u[mass.i] * mass.value * u[mass.k];
+  for (const Mass& mass : M_) told.mass += u[mass.i] * mass.value * u[mass.k];
   for (const Row& row : rows_) {
     double way = 0.0;
     for (const Part& part : row.way) way += part.value * u[part.i];
-    object.mass += row.mass * way * way;
-    object.damping += row.damping * way * way;
-    object.ground_stiffness += row.stiffness * way * way;
+    told.mass += row.mass * way * way;
+    told.damping += row.damping * way * way;
+    told.ground_stiffness += row.stiffness * way * way;
   }
-  object.recedes = std::move(away);
-  object.motion = std::move(u);
-  object.give = give;
-  return object;
+  return PushedObject{&told, model.body_rootid[body], force, std::move(away), std::move(u), give};
 }
 
-void Surroundings::share(std::vector<PushedObject>& objects) {
-  std::map<int, std::vector<PushedObject*>> of_root;
-  for (PushedObject& object : objects) {
-    if (object.mass > 0.0) of_root[object.root].push_back(&object);
-  }
+void Surroundings::share(const std::vector<PushedObject>& objects) {
+  std::map<int, std::vector<const PushedObject*>> of_root;
+  for (const PushedObject& object : objects) of_root[object.root].push_back(&object);
   for (const auto& [root, together] : of_root) {
     if (together.size() < 2) continue;
     find_directions(together);
-    for (PushedObject* object : together) {
-      object->object = static_cast<std::uint32_t>(root);
+    for (const PushedObject* object : together) {
+      object->told->object = static_cast<std::uint32_t>(root);
       for (const PushedObject* other : together) {
-        if (other != object) object->load -= along(object->motion, other->recedes) * other->force;
+        if (other == object) continue;
+        object->told->load -= along(object->motion, other->recedes) * other->force;
       }
     }
   }

@@ -1,7 +1,7 @@
 #pragma once
 /// How the object of a contact moves when the tool pushes it.
 
-#include <cstdint>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -10,19 +10,11 @@
 
 namespace haptic::mujoco {
 
-/// The object's own law along the contact's normal (proto/README.md, Objects that are pushed).
+/// The object of a contact that it can give way to.
 struct PushedObject {
-  double mass{0.0};              ///< kg; 0: it cannot move
-  double damping{0.0};           ///< N s/m
-  double ground_stiffness{0.0};  ///< N/m
-  double load{0.0};              ///< N; > 0 pushes it away from the tool
-  double velocity{0.0};          ///< m/s; > 0: it recedes
-  // Results of share(): Contact::object and object_direction, if other contacts push it too.
-  std::uint32_t object{0};
-  std::vector<double> direction{};
-
-  int root{0};        ///< the topmost of the bodies that move with it
-  double force{0.0};  ///< of the contact, N
+  client::Contact* told{nullptr};  ///< has the object's law
+  int root{0};                     ///< the topmost of the bodies that move with it
+  double force{0.0};               ///< of the contact, N
   // Per DoF that counts: how far the surface recedes, and u.
   std::vector<double> recedes{}, motion{};
   double give{0.0};  ///< J H^-1 J^T
@@ -57,12 +49,14 @@ class Surroundings {
             const std::set<int>& bodies);
   /// DoFs that count: those of the bodies, and those that rows connect with them.
   [[nodiscard]] std::size_t dofs() const noexcept { return dofs_.size(); }
-  /// The law of `body` for a contact with this normal, outwards, at `position`; `force`: of it, N.
-  [[nodiscard]] PushedObject object(const mjModel& model, const mjData& data, int body,
-                                    const Vector3& position, const Vector3& normal,
-                                    double force) const;
-  /// Takes all contacts of a step.
-  static void share(std::vector<PushedObject>& objects);
+  /// Tells a contact with `body` at `position` the law along its normal: mass, damping, stiffness
+  /// to ground, load and velocity (proto/README.md, Objects that are pushed). `force`: of it, N.
+  /// Empty: the body cannot move.
+  [[nodiscard]] std::optional<PushedObject> object(const mjModel& model, const mjData& data,
+                                                   int body, const Vector3& position, double force,
+                                                   client::Contact& told) const;
+  /// Takes all objects of a step. Tells contacts that push one body so: object, object_direction.
+  static void share(const std::vector<PushedObject>& objects);
 
  private:
   struct Part {

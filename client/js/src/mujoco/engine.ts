@@ -37,7 +37,7 @@ function constants(model: MjModel) {
     geomType: copy(model.geom_type), geomSize: copy(model.geom_size),
     jointBody: copy(model.jnt_bodyid), jointType: copy(model.jnt_type),
     jointDof: copy(model.jnt_dofadr), jointPos: copy(model.jnt_qposadr),
-    siteBody: copy(model.site_bodyid),
+    siteBody: copy(model.site_bodyid), siteQuat: copy(model.site_quat),
   };
 }
 

@@ -78,24 +78,9 @@ export class NearContacts {
       .map((geom) => fixed.geomBody[geom]!).filter((body) => !tool.moves(body)));
     this.ids.begin();
     this.surroundings.look(all, rate, bodies);
-    const found: NearContact[] = [], pushed: (PushedObject | undefined)[] = [];
-    for (const [i, c] of near) {
-      const [one, object] = this.look(i, c, x);
-      found.push(one);
-      pushed.push(object);
-    }
+    const pushed: PushedObject[] = [];
+    const found = near.map(([i, c]) => this.look(i, c, x, pushed));
     share(pushed);
-    found.forEach(({ contact: told }, i) => {
-      const law = pushed[i];
-      if (!law) return;
-      told.mass = law.mass;
-      told.damping = law.damping;
-      told.groundStiffness = law.groundStiffness;
-      told.load = law.load;
-      told.velocity = law.velocity;
-      told.object = law.object;
-      told.objectDirection = law.direction;
-    });
     return found;
   }
 
@@ -105,8 +90,8 @@ export class NearContacts {
     return this.tool.moves(geomBody[geom1]!) || this.tool.moves(geomBody[geom2]!);
   }
 
-  private look(index: number, c: EngineContact,
-               x: number[]): [NearContact, PushedObject | undefined] {
+  /** Appends the object to `pushed` if the tool can push it. */
+  private look(index: number, c: EngineContact, x: number[], pushed: PushedObject[]): NearContact {
     const { engine, engine: { fixed }, tool } = this;
     const second = tool.moves(fixed.geomBody[c.geom2]!);
     const [geom, other] = second ? [c.geom2, c.geom1] : [c.geom1, c.geom2];
@@ -116,7 +101,7 @@ export class NearContacts {
     const surface = add(c.pos, 0.5 * c.dist, normal), beyond = add(c.pos, -0.5 * c.dist, normal);
     const told: Contact = { normal, gap: gapOf(c),
                             point: tool.pointOn(body, add(surface, radius, normal), x) };
-    let give = tool.give(body, surface, normal), law: PushedObject | undefined;
+    let give = tool.give(body, surface, normal);
     const force = c.efcAddress >= 0 ? engine.normalForce(index) : 0;
     if (tool.moves(object)) {
       const otherRadius = this.radiusOf(other);
@@ -131,13 +116,14 @@ export class NearContacts {
         const curvature = this.curvatureOf(other, normal, beyond, c.dist + radius);
         if (curvature) told.curvature = curvature;
       }
-      law = this.surroundings.object(object, beyond, normal, force);
+      const way = this.surroundings.object(object, beyond, force, told);
+      if (way) pushed.push(way);
     }
     if (radius === 0) told.point.second = [];  // the place of contact moves along the tool
     told.stiffness = 1 / (1 / new ContactSpring(engine, c).stiffness(-told.gap) + give);
     const from = add(surface, -1, vectorAt(engine.view("geom_xpos"), 3 * geom));
     told.id = this.ids.id(pairOf(c), intoFrame(engine.view("geom_xmat"), 9 * geom, from));
-    return [{ contact: told, force }, law];
+    return { contact: told, force };
   }
 
   /** How far the surface is from the point or line that carries it: a round geom's radius. */

@@ -3,7 +3,7 @@ import type { Vector3 } from "../vectors.js";
 import { countOf } from "./binding.js";
 import type { Binding } from "./binding.js";
 import type { Engine } from "./engine.js";
-import { quaternionOf, vectorAt } from "./vectors.js";
+import { product, quaternionAt, vectorAt } from "./vectors.js";
 import type { Quaternion } from "./vectors.js";
 
 const MOST_COORDINATES = 10000;  // far above those of any device
@@ -37,8 +37,10 @@ export const positionOf = (engine: Engine, { site, id }: Place): Vector3 =>
   vectorAt(engine.view(site ? "site_xpos" : "xpos"), 3 * id);
 
 /** Turn of a site or body, from its frame to the world. */
-export const turnOf = (engine: Engine, { site, id }: Place): Quaternion =>
-  quaternionOf(engine.view(site ? "site_xmat" : "xmat"), 9 * id);
+export function turnOf(engine: Engine, { site, id, body }: Place): Quaternion {
+  const ofBody = quaternionAt(engine.view("xquat"), 4 * body);
+  return site ? product(ofBody, quaternionAt(engine.fixed.siteQuat, 4 * id)) : ofBody;
+}
 
 /** Inverse masses of the lightest direction of a site or body, 1/kg, and about its lightest axis,
  * 1/(kg m^2): no less than the largest eigenvalues of J M^-1 J^T. */

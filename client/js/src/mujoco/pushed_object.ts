@@ -1,24 +1,14 @@
 /** How the object of a contact moves when the tool pushes it. */
+import type { Contact } from "../contact.js";
 import { along } from "../vectors.js";
 
 const MOST_MOTIONS = 6;      // of Plane.objectDirection
 const NEW_MOTION = 1e-6;     // square of the part of a direction that is a new one
 
-/** The object's own law along the contact's normal (proto/README.md, Objects that are pushed). */
+/** The object of a contact that it can give way to. */
 export interface PushedObject {
-  /** kg */
-  mass: number;
-  /** N s/m */
-  damping: number;
-  /** N/m */
-  groundStiffness: number;
-  /** N; > 0 pushes it away from the tool. */
-  load: number;
-  /** m/s; > 0: it recedes. */
-  velocity: number;
-  /** Results of share(): Contact.object and objectDirection, if other contacts push it too. */
-  object: number;
-  direction: number[];
+  /** Has the object's law. */
+  told: Contact;
   /** The topmost of the bodies that move with it. */
   root: number;
   /** Force of the contact, N. */
@@ -35,13 +25,13 @@ export interface PushedObject {
 function findDirections(together: PushedObject[]): void {
   const news: PushedObject[] = [];
   for (const object of together) {
-    const e = object.direction;
+    const e: number[] = [];
     let left = 1;
     for (const base of news) {
+      const known = base.told.objectDirection!;
       const cosine = object.give * along(object.motion, base.recedes) /
         Math.sqrt(object.give * base.give);
-      const told = along(e, base.direction);
-      e.push((cosine - told) / base.direction.at(-1)!);
+      e.push((cosine - along(e, known)) / known.at(-1)!);
       left -= e.at(-1)! ** 2;
     }
     if (left > NEW_MOTION && news.length < MOST_MOTIONS) {
@@ -49,27 +39,25 @@ function findDirections(together: PushedObject[]): void {
       news.push(object);
     }
     const length = Math.hypot(...e);
-    object.direction = e.map((part) => part / length);
+    object.told.objectDirection = e.map((part) => part / length);
   }
 }
 
 /** Takes all contacts of a step. Contacts on the same body share it: the directions e_i are those
  * of the u_i in the metric H, so e_i . e_j = J_i H^-1 J_j^T / sqrt(J_i H^-1 J_i^T J_j H^-1 J_j^T),
  * and no load holds the force of another of them. */
-export function share(objects: (PushedObject | undefined)[]): void {
+export function share(objects: PushedObject[]): void {
   const ofRoot = new Map<number, PushedObject[]>();
   for (const object of objects) {
-    if (object && object.mass > 0) {
-      ofRoot.set(object.root, [...ofRoot.get(object.root) ?? [], object]);
-    }
+    ofRoot.set(object.root, [...ofRoot.get(object.root) ?? [], object]);
   }
   for (const [root, together] of ofRoot) {
     if (together.length < 2) continue;
     findDirections(together);
-    for (const object of together) {
-      object.object = root;
+    for (const { told, motion } of together) {
+      told.object = root;
       for (const other of together) {
-        if (other !== object) object.load -= along(object.motion, other.recedes) * other.force;
+        if (other.told !== told) told.load! -= along(motion, other.recedes) * other.force;
       }
     }
   }

@@ -1,4 +1,5 @@
 /** Things that the tool touches, and what holds them. */
+import type { Contact } from "../contact.js";
 import type { Vector3 } from "../vectors.js";
 import type { BoundTool } from "./bound_tool.js";
 import { rowsOf } from "./constraint_rows.js";
@@ -109,11 +110,12 @@ export class Surroundings {
     H.factor(mj.mjMINVAL);
   }
 
-  /** The law of `body` for a contact with this normal, outwards, at `position`; `force`: of it, N.
-   * Undefined: it cannot move. */
-  object(body: number, position: Vector3, normal: Vector3,
-         force: number): PushedObject | undefined {
-    const { fixed, model: { nv } } = this.engine, { dofs, rate } = this;
+  /** Tells a contact with `body` at `position` the law along its normal: mass, damping, stiffness
+   * to ground, load and velocity (proto/README.md, Objects that are pushed). `force`: of it, N.
+   * Undefined: the body cannot move. */
+  object(body: number, position: Vector3, force: number,
+         told: Contact): PushedObject | undefined {
+    const { fixed, model: { nv } } = this.engine, { dofs, rate } = this, { normal } = told;
     if (dofs.length === 0 || fixed.bodyWeld[body] === 0) return undefined;
     const { linear: J } = this.engine.jacobian(body, position);
     const recedes = Float64Array.from(dofs, (dof) =>
@@ -137,11 +139,11 @@ export class Surroundings {
       damping += row.damping * way * way;
       groundStiffness += row.stiffness * way * way;
     }
-    return {
+    Object.assign(told, {
       mass, damping, groundStiffness, load: along(motion, this.push) - force,
       velocity: dofs.reduce((sum, dof, i) => sum + recedes[i]! * rate[dof]!, 0),
-      object: 0, direction: [], root: fixed.bodyRoot[body]!, force, recedes, motion, give,
-    };
+    });
+    return { told, root: fixed.bodyRoot[body]!, force, recedes, motion, give };
   }
 
   private counts(all: ConstraintRows, row: number): boolean {

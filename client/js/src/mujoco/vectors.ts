@@ -13,27 +13,8 @@ export const intoFrame = (matrix: Numbers, i: number, v: Vector3): Vector3 =>
    dot([matrix[i + 1]!, matrix[i + 4]!, matrix[i + 7]!], v),
    dot([matrix[i + 2]!, matrix[i + 5]!, matrix[i + 8]!], v)];
 
-/** Quaternion of the rotation matrix that begins at `i`; its largest part is found first, and is >
- * 0. */
-export function quaternionOf(matrix: Numbers, i: number): Quaternion {
-  const at = (row: number, column: number) => matrix[i + 3 * row + column]!;
-  const [xx, yy, zz] = [at(0, 0), at(1, 1), at(2, 2)];
-  const q: [number, number, number, number] = [0, 0, 0, 0];
-  if (xx + yy + zz > 0) {
-    q[0] = 0.5 * Math.sqrt(1 + xx + yy + zz);
-    q[1] = 0.25 * (at(2, 1) - at(1, 2)) / q[0];
-    q[2] = 0.25 * (at(0, 2) - at(2, 0)) / q[0];
-    q[3] = 0.25 * (at(1, 0) - at(0, 1)) / q[0];
-    return normalised(q);
-  }
-  const a = xx > yy && xx > zz ? 0 : yy > zz ? 1 : 2, b = (a + 1) % 3, c = (a + 2) % 3;
-  const largest = 0.5 * Math.sqrt(1 + at(a, a) - at(b, b) - at(c, c));
-  q[0] = 0.25 * (at(c, b) - at(b, c)) / largest;
-  q[a + 1] = largest;
-  q[b + 1] = 0.25 * (at(a, b) + at(b, a)) / largest;
-  q[c + 1] = 0.25 * (at(a, c) + at(c, a)) / largest;
-  return normalised(q);
-}
+export const quaternionAt = (numbers: Numbers, i: number): Quaternion =>
+  [...vectorAt(numbers, i), numbers[i + 3]!];
 export function normalised(q: Quaternion): Quaternion {
   const length = Math.hypot(...q);
   return [q[0] / length, q[1] / length, q[2] / length, q[3] / length];

@@ -387,14 +387,6 @@ class Fronts(unittest.TestCase):
         self.assertEqual(daemon.stop(), 0, daemon.text())
         self.assertLess(time.monotonic() - began, ENDED_S)
 
-    def test_nothing_is_open_to_a_confined_front(self) -> None:
-        daemon, name = self.hostile("confined")
-        daemon.until_said("attacked")
-        self.assertNotIn("GOT IN", daemon.text())
-        self.assertGreater(daemon.text().count("refused: "), 20)
-        self.assertEqual(daemon.ask(name, "stop"), "ok\nfinger")
-        self.assertEqual(daemon.stop(), 0, daemon.text())
-
     def test_the_owners_pages_stay_the_owners(self) -> None:
         daemon, name = self.hostile("pages")
         daemon.until_said("SIGSEGV")  # of the front

@@ -2,7 +2,6 @@
 // the owner in the way that $HOSTILE names. It says on standard error what it was refused and what
 // it was not ("GOT IN: ...").
 //
-//   confined  after confine(): signals, tracing, memory, devices, files, programs, priority
 //   pages     writes to pages that it may only read
 //   junk      for as long as it lives: random bytes in its own pages, requests and messages
 //   stop      keeps the queue of requests full, and raises the stop that goes ahead of it
@@ -16,14 +15,8 @@
 #include <sched.h>
 #include <sys/eventfd.h>
 #include <sys/mman.h>
-#include <sys/ptrace.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
-#include <sys/syscall.h>
-#include <sys/uio.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
@@ -33,7 +26,6 @@
 #include "server/crossing/link_messages.hpp"
 #include "server/crossing/packet_socket.hpp"
 #include "server/crossing/shared_layout.hpp"
-#include "server/front/confinement.hpp"
 
 namespace {
 
@@ -70,48 +62,6 @@ struct Link {
     }
   }
 };
-
-void attack_processes() {
-  const pid_t launcher = getppid();
-  std::string stat(512, '\0');
-  // The owner is the launcher's parent; what is not to be read cannot be hurt by its number either.
-  const int file = open(("/proc/" + std::to_string(launcher) + "/stat").c_str(), O_RDONLY);
-  refused("to read another process's state", file >= 0);
-  for (const pid_t victim : {launcher, launcher - 1, pid_t{1}}) {
-    refused("to signal a process", kill(victim, SIGCONT) == 0);
-    refused("to trace a process", ptrace(PTRACE_SEIZE, victim, nullptr, nullptr) == 0);
-    char byte = 0;
-    const iovec here{&byte, 1}, there{&byte, 1};
-    refused("to read a process's memory", process_vm_readv(victim, &here, 1, &there, 1, 0) >= 0);
-    refused("to write a process's memory", process_vm_writev(victim, &here, 1, &there, 1, 0) >= 0);
-    refused("to open a process", syscall(SYS_pidfd_open, victim, 0) >= 0);
-  }
-  refused("to signal all", kill(-1, 0) == 0);
-  refused("to signal its group", kill(0, 0) == 0);
-  refused("to start a program", execl("/bin/true", "true", nullptr) != -1);
-  refused("to make a process", fork() >= 0);
-}
-
-void attack_files() {
-  for (const char* path : {"/dev/ptmx", "/dev/tty", "/dev/mem", "/dev/kmsg", "/dev/ttyS0"}) {
-    refused(path, open(path, O_RDWR) >= 0);
-  }
-  refused("to write a file", open("/tmp/hostile-front", O_CREAT | O_RDWR, 0600) >= 0);
-  refused("to read another's memory file", open("/proc/1/mem", O_RDONLY) >= 0);
-  refused("to make a device", mknod("/tmp/hostile-device", S_IFCHR | 0600, 0x0101) == 0);
-}
-
-void attack_scheduling() {
-  const sched_param highest{50};
-  refused("real-time scheduling", sched_setscheduler(0, SCHED_FIFO, &highest) == 0);
-  refused("a higher priority", setpriority(PRIO_PROCESS, 0, -20) == 0);
-  rlimit memory{};
-  getrlimit(RLIMIT_DATA, &memory);
-  const rlimit more{RLIM_INFINITY, RLIM_INFINITY};
-  const bool limited = memory.rlim_max != RLIM_INFINITY;  // not with a sanitizer
-  if (limited) refused("more memory", setrlimit(RLIMIT_DATA, &more) == 0);
-  refused("locked memory", mlockall(MCL_CURRENT) == 0);
-}
 
 void attack_pages(Link& link) {
   const int pages = link.descriptors[OwnerMessage::kOwnersPages].get();
@@ -186,14 +136,6 @@ int main() {
   if (mode == "unbound") pause();
   link.descriptors = std::move(kept);
   send(kLink, of(FrontMessage::Kind::kServing));
-  if (mode == "confined") {
-    for (const std::string& missing : confine()) say("missing: " + missing);
-    attack_processes();
-    attack_files();
-    attack_scheduling();
-    say("attacked");
-    pause();
-  }
   if (mode == "pages") attack_pages(link);
   if (mode == "junk") send_junk(link);
   if (mode == "stop") stop_ahead_of_a_queue(link);

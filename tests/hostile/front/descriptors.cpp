@@ -15,7 +15,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <thread>
 
 #include "tests/hostile/front/inside.hpp"
@@ -147,6 +149,11 @@ void futexes(Inside& in) {
   for (std::thread& each : waiting) each.join();
 }
 
+void tell(const char* what, int fd, int result) {
+  const char* const how = result == 0 ? "done" : strerrorname_np(errno);
+  answer(std::string(what) + " of " + std::to_string(fd) + ": " + how);
+}
+
 /// Word: "shut", "filter", "backlog" or "link". The front ends then, and the next gets the same
 /// sockets.
 void sockets(Inside& in) {
@@ -155,23 +162,25 @@ void sockets(Inside& in) {
   const sock_fprog drop{1, &nothing};
   const sockaddr_in nowhere{AF_INET, htons(9), {htonl(INADDR_LOOPBACK)}, {}};
   const int hour = 3600, little = 1;
-  int done = how == "link" && shutdown(kLink, SHUT_RDWR) == 0 ? 1 : 0;
+  const auto set = [](int fd, int level, int name, const auto& value) {
+    return setsockopt(fd, level, name, &value, sizeof value);
+  };
+  if (how == "link") tell("shutdown", kLink, shutdown(kLink, SHUT_RDWR));
   for (const int fd : in.given) {
-    if (fd == kLink || !is_socket(fd) || how == "link") continue;
+    if (fd == kLink || !is_socket(fd)) continue;
     if (how == "shut") {
-      done += shutdown(fd, SHUT_RDWR) == 0 ? 1 : 0;
+      tell("shutdown", fd, shutdown(fd, SHUT_RDWR));
       connect(fd, reinterpret_cast<const sockaddr*>(&nowhere), sizeof nowhere);
     } else if (how == "filter") {
-      done += setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &drop, sizeof drop) == 0 ? 1 : 0;
-      setsockopt(fd, SOL_SOCKET, SO_LOCK_FILTER, &little, sizeof little);
-    } else {
-      done += ::listen(fd, 0) == 0 ? 1 : 0;
-      setsockopt(fd, IPPROTO_TCP, TCP_DEFER_ACCEPT, &hour, sizeof hour);
-      setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &little, sizeof little);
-      setsockopt(fd, IPPROTO_IP, IP_TTL, &little, sizeof little);
+      tell("filter", fd, set(fd, SOL_SOCKET, SO_ATTACH_FILTER, drop));
+      set(fd, SOL_SOCKET, SO_LOCK_FILTER, little);
+    } else if (how == "backlog") {
+      tell("listen", fd, ::listen(fd, 0));
+      tell("defer", fd, set(fd, IPPROTO_TCP, TCP_DEFER_ACCEPT, hour));
+      set(fd, SOL_SOCKET, SO_RCVBUF, little);
+      set(fd, IPPROTO_IP, IP_TTL, little);
     }
   }
-  answer(how + " " + std::to_string(done));
   if (how != "link") _exit(9);
   pause_until_over(in);
 }

@@ -26,7 +26,7 @@ bool confined(const std::function<bool()>& attack) {
   return WIFEXITED(status) && WEXITSTATUS(status) == 7;
 }
 
-/// Each thing that is refused: tests/system/hostile_front.cpp.
+/// Each thing that is refused: tests/hostile/front/calls.cpp.
 TEST(Confinement, ThreadsInheritIt) {
   const pid_t owner = getpid();
   EXPECT_TRUE(confined([=] {

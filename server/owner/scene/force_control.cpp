@@ -82,55 +82,49 @@ std::vector<core::ForceLoopGains> read_server(const Part<v1::ServerForceLoopScen
   return loops;
 }
 
-/// Where an actuated DoF may be sent, and what says so.
+/// Where the actuated DoFs may be sent, n_a each, and what says so. Beyond the calibrated travel a
+/// valid sample ends: an admittance must not lead there.
 struct Travel {
-  double lower{0.0}, upper{0.0};
-  const char* whose{"the DoF's own"};
-};
-
-/// One per actuated DoF. Beyond the calibrated travel a valid sample ends: an admittance must not
-/// lead there.
-std::vector<Travel> travels(const DeviceScene& device) {
-  std::vector<Travel> all;
-  if (!device.pipeline.kinematics) return all;
-  const core::Kinematics& kinematics = *device.pipeline.kinematics;
-  const std::optional<hw::Travel> calibrated =
-      device.source ? device.source->travel() : std::nullopt;
-  for (int i = 0; i < kinematics.layout().n_a(); ++i) {
-    const int dof = kinematics.layout().actuated(i);
-    const core::DofSpec& spec = kinematics.dofs()[static_cast<std::size_t>(dof)];
-    all.push_back({spec.lower, spec.upper});
-    if (!calibrated) continue;
-    all.back() = {std::max(spec.lower, calibrated->lower[dof]),
-                  std::min(spec.upper, calibrated->upper[dof]), "the calibrated travel's"};
+  explicit Travel(const DeviceScene& device) : lower(filled(n_a_of(device), 0.0)), upper(lower) {
+    if (!device.pipeline.kinematics) return;
+    const core::Kinematics& kinematics = *device.pipeline.kinematics;
+    const core::DofLayout& layout = kinematics.layout();
+    for (int i = 0; i < layout.n_a(); ++i) {
+      const auto dof = static_cast<std::size_t>(layout.actuated(i));
+      lower[i] = kinematics.dofs()[dof].lower;
+      upper[i] = kinematics.dofs()[dof].upper;
+    }
+    const auto calibrated = device.source ? device.source->travel() : std::nullopt;
+    if (!calibrated) return;
+    lower = lower.cwiseMax(layout.select(calibrated->lower));
+    upper = upper.cwiseMin(layout.select(calibrated->upper));
+    whose = "the calibrated travel's, ";
   }
-  return all;
-}
+
+  Fields::Numbers lower, upper;
+  std::string whose{"the DoF's own, "};
+};
 
 std::vector<core::AdmittanceParameters> read_admittance(const Part<v1::AdmittanceScene>& part,
                                                         const DeviceScene& device) {
   const int n_a = n_a_of(device);
-  const std::vector<Travel> travel = travels(device);
-  Fields::Numbers begin = filled(n_a, 0.0), end = begin;
-  for (std::size_t i = 0; i < travel.size(); ++i) {
-    begin[static_cast<Eigen::Index>(i)] = travel[i].lower;
-    end[static_cast<Eigen::Index>(i)] = travel[i].upper;
-  }
+  const Travel travel(device);
   const auto mass = part.per_actuated("mass_kg", Allowed::kNotNegative, n_a, filled(n_a, 0.0));
   const auto damping = part.per_actuated("damping_n_s_per_m", Allowed::kPositive, n_a);
   const auto rate = part.per_actuated("max_rate_m_per_s", Allowed::kPositive, n_a);
-  const auto lower = part.per_actuated("lower", Allowed::kFinite, n_a, begin);
-  const auto upper = part.per_actuated("upper", Allowed::kFinite, n_a, end);
+  const auto lower = part.per_actuated("lower", Allowed::kFinite, n_a, travel.lower);
+  const auto upper = part.per_actuated("upper", Allowed::kFinite, n_a, travel.upper);
   std::vector<core::AdmittanceParameters> admittances;
   if (!part.good()) return admittances;
-  for (std::size_t k = 0; k < travel.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
+  for (Eigen::Index i = 0; i < n_a; ++i) {
+    const auto k = static_cast<std::size_t>(i);
     admittances.push_back({mass[i], damping[i], rate[i], lower[i], upper[i]});
-    const std::string whose = std::string(travel[k].whose) + ", ";
-    if (lower[i] < begin[i]) {
-      part.wrong({"lower", k}, decimal(lower[i]), "must be at least " + whose + decimal(begin[i]));
-    } else if (upper[i] > end[i]) {
-      part.wrong({"upper", k}, decimal(upper[i]), "must be at most " + whose + decimal(end[i]));
+    if (lower[i] < travel.lower[i]) {
+      part.wrong({"lower", k}, decimal(lower[i]),
+                 "must be at least " + travel.whose + decimal(travel.lower[i]));
+    } else if (upper[i] > travel.upper[i]) {
+      part.wrong({"upper", k}, decimal(upper[i]),
+                 "must be at most " + travel.whose + decimal(travel.upper[i]));
     } else if (lower[i] >= upper[i]) {
       part.wrong({"lower", k}, decimal(lower[i]), "must be below upper, " + decimal(upper[i]));
     }

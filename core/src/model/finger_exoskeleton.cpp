@@ -88,13 +88,9 @@ MapStatus FingerExoskeleton::evaluate(const VecQ& q, VecX& x_probe, MatXQ& J) co
   LinkagePose p;
   if (!parts_->linkage.pose(q[0], q[1], p)) return MapStatus::kCannotClose;
   x_probe.resize(2);
-  x_probe[0] = p.q1;
-  x_probe[1] = p.q2;
+  x_probe << p.q1, p.q2;
   J.resize(2, 2);
-  for (int k = 0; k < 2; ++k) {
-    J(0, k) = p.J(0, k);
-    J(1, k) = p.J(1, k);
-  }
+  J << p.J(0, 0), p.J(0, 1), p.J(1, 0), p.J(1, 1);
   return MapStatus::kOk;
 }
 
@@ -102,8 +98,7 @@ MapStatus FingerExoskeleton::position(const VecQ& q, VecX& x_probe) const noexce
   double q1 = 0.0, q2 = 0.0;
   if (!parts_->linkage.joints(q[0], q[1], q1, q2)) return MapStatus::kCannotClose;
   x_probe.resize(2);
-  x_probe[0] = q1;
-  x_probe[1] = q2;
+  x_probe << q1, q2;
   return MapStatus::kOk;
 }
 
@@ -138,25 +133,20 @@ Drawing FingerExoskeleton::drawing() const {
 InverseStatus FingerExoskeleton::follow(const Eigen::Vector2d& x, const Eigen::Vector2d& x_dot,
                                         Motion& out) const noexcept {
   ClosedPose closed;
-  LinkageMotion motion;
-  if (!parts_->linkage.closed_motion(x[0], x[1], x_dot[0], x_dot[1], closed, motion) ||
+  Motion motion;
+  if (!parts_->linkage.closed_motion(x, x_dot, closed, motion) ||
       !acceptable(parts_->linkage.dimensions(), x[0], x[1], closed)) {
     return InverseStatus::kUnreachable;
   }
-  out.q << closed.l, closed.t;
-  out.J << motion.J[0][0], motion.J[0][1], motion.J[1][0], motion.J[1][1];
-  out.product << motion.product[0], motion.product[1];
+  motion.q << closed.l, closed.t;
+  out = motion;
   return InverseStatus::kExact;
 }
 
 MapStatus FingerExoskeleton::velocity_product(const VecQ& q, const Eigen::Vector2d& q_dot,
                                               Eigen::Vector2d& out) const noexcept {
-  double product[2];
-  if (!parts_->linkage.velocity_product(q[0], q[1], q_dot[0], q_dot[1], product)) {
-    return MapStatus::kCannotClose;
-  }
-  out << product[0], product[1];
-  return MapStatus::kOk;
+  const bool closes = parts_->linkage.velocity_product(q[0], q[1], q_dot[0], q_dot[1], out);
+  return closes ? MapStatus::kOk : MapStatus::kCannotClose;
 }
 
 FingerDimensions finger_sign_change() noexcept {

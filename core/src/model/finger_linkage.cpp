@@ -84,9 +84,9 @@ void first_derivatives(const FingerDimensions& dim, Complex e_a, const Assembly&
   }
 }
 
-/// The second order of hessian() along one direction: a third of its work.
-void second_along(const FingerDimensions& dim, Complex e_a, const Assembly& a, double l_dot,
-                  double t_dot, double (&out)[2]) noexcept {
+/// d2 x / ds2 along the direction (l_dot, t_dot), Eq. (11).
+Eigen::Vector2d second_along(const FingerDimensions& dim, Complex e_a, const Assembly& a,
+                             double l_dot, double t_dot) noexcept {
   const double t_dot2 = t_dot * t_dot;
   const Complex D_1 = l_dot * e_a + t_dot * times_i(a.body_d);
   const Complex E_1 = l_dot * e_a + t_dot * times_i(a.body_e);
@@ -100,8 +100,7 @@ void second_along(const FingerDimensions& dim, Complex e_a, const Assembly& a, d
   const Complex w_2 =
       -t_dot2 * a.body_e + dim.proximal_phalanx * (q1_1 * q1_1 * a.u1 + q1_2 * a.n1);
   const double phi_2 = -(dot(a.n2, w_2) + 2.0 * c2_1 * phi_1 + dim.rod2 * phi_1 * phi_1) / a.c2;
-  out[0] = q1_2;
-  out[1] = phi_2 - q1_2;
+  return {q1_2, phi_2 - q1_2};
 }
 
 /// Eq. (12). Leaves what D and E are made of in `a`.
@@ -163,37 +162,26 @@ bool FingerLinkage::pose(double l, double t, LinkagePose& out) const noexcept {
   return true;
 }
 
-bool FingerLinkage::hessian(double l, double t, LinkageHessian& out) const noexcept {
+/// By three directions: that of l, that of t, and their sum.
+bool FingerLinkage::hessian(double l, double t, double (&H)[2][2][2]) const noexcept {
   Assembly a;
   if (!assemble(dim_, P0_, e_a_, d_, e_, l, t, a)) return false;
-  LinkagePose p;
-  First f;
-  first_derivatives(dim_, e_a_, a, f, p);
-  for (int k = 0; k < 2; ++k) {
-    for (int m = 0; m <= k; ++m) {
-      const bool tt = k == 1 && m == 1;
-      const Complex D_km = tt ? -a.body_d : Complex{};
-      const Complex E_km = tt ? -a.body_e : Complex{};
-      const double q1_km = -(dot(a.n1, D_km) + p.c1_k[k] * p.q1_k[m] + p.c1_k[m] * p.q1_k[k] +
-                             dim_.rod1 * p.q1_k[k] * p.q1_k[m]) /
-                           a.c1;
-      const Complex w_km =
-          E_km + dim_.proximal_phalanx * (p.q1_k[k] * p.q1_k[m] * a.u1 + q1_km * a.n1);
-      const double phi_km = -(dot(a.n2, w_km) + p.c2_k[k] * p.phi_k[m] + p.c2_k[m] * p.phi_k[k] +
-                              dim_.rod2 * p.phi_k[k] * p.phi_k[m]) /
-                            a.c2;
-      out.H[0][k][m] = out.H[0][m][k] = q1_km;
-      out.H[1][k][m] = out.H[1][m][k] = phi_km - q1_km;
-    }
+  const Eigen::Vector2d ll = second_along(dim_, e_a_, a, 1.0, 0.0);
+  const Eigen::Vector2d tt = second_along(dim_, e_a_, a, 0.0, 1.0);
+  const Eigen::Vector2d both = second_along(dim_, e_a_, a, 1.0, 1.0);
+  for (int i = 0; i < 2; ++i) {
+    H[i][0][0] = ll[i];
+    H[i][1][1] = tt[i];
+    H[i][0][1] = H[i][1][0] = 0.5 * (both[i] - ll[i] - tt[i]);
   }
   return true;
 }
 
 bool FingerLinkage::velocity_product(double l, double t, double l_dot, double t_dot,
-                                     double (&out)[2]) const noexcept {
+                                     Eigen::Vector2d& out) const noexcept {
   Assembly a;
   if (!assemble(dim_, P0_, e_a_, d_, e_, l, t, a)) return false;
-  second_along(dim_, e_a_, a, l_dot, t_dot, out);
+  out = second_along(dim_, e_a_, a, l_dot, t_dot);
   return true;
 }
 
@@ -202,21 +190,19 @@ bool FingerLinkage::closed_inverse(double q1, double q2, ClosedPose& out) const 
   return assemble_closed(dim_, P0_, e_a_, d_, e_, q1, q2, out, a);
 }
 
-bool FingerLinkage::closed_motion(double q1, double q2, double q1_dot, double q2_dot,
-                                  ClosedPose& out, LinkageMotion& motion) const noexcept {
+bool FingerLinkage::closed_motion(const Eigen::Vector2d& x, const Eigen::Vector2d& x_dot,
+                                  ClosedPose& out,
+                                  FingerExoskeleton::Motion& motion) const noexcept {
   Assembly a;
-  if (!assemble_closed(dim_, P0_, e_a_, d_, e_, q1, q2, out, a)) return false;
+  if (!assemble_closed(dim_, P0_, e_a_, d_, e_, x[0], x[1], out, a)) return false;
   if (!(a.c1 >= kSmallestSlider && a.c2 >= kSmallestSlider)) return false;
   LinkagePose p;
   First f;
   first_derivatives(dim_, e_a_, a, f, p);
-  for (int k = 0; k < 2; ++k) {
-    motion.J[0][k] = p.J(0, k);
-    motion.J[1][k] = p.J(1, k);
-  }
+  motion.J << p.J(0, 0), p.J(0, 1), p.J(1, 0), p.J(1, 1);
   const double det = p.det();
-  second_along(dim_, e_a_, a, (p.J(1, 1) * q1_dot - p.J(0, 1) * q2_dot) / det,
-               (p.J(0, 0) * q2_dot - p.J(1, 0) * q1_dot) / det, motion.product);
+  motion.product = second_along(dim_, e_a_, a, (p.J(1, 1) * x_dot[0] - p.J(0, 1) * x_dot[1]) / det,
+                                (p.J(0, 0) * x_dot[1] - p.J(1, 0) * x_dot[0]) / det);
   return true;
 }
 

@@ -22,21 +22,10 @@ struct LinkagePose {
   [[nodiscard]] double det() const noexcept { return J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0); }
 };
 
-/// H[i][k][m] = d2 x_i / dq_k dq_m.
-struct LinkageHessian {
-  double H[2][2][2]{};
-};
-
 /// Answer of the closed inverse.
 struct ClosedPose {
   double l{0.0}, t{0.0};    ///< m, rad
   double c1{0.0}, c2{0.0};  ///< m
-};
-
-/// The linkage's velocities behind those of the joints: index 0 is l, 1 is t.
-struct LinkageMotion {
-  double J[2][2]{};     ///< of (q1, q2) by (l, t)
-  double product[2]{};  ///< as velocity_product() answers
 };
 
 class FingerLinkage {
@@ -51,19 +40,21 @@ class FingerLinkage {
   /// MCP and PIP angle alone, rad: the same to the bit as pose() gives them.
   [[nodiscard]] bool joints(double l, double t, double& q1, double& q2) const noexcept;
   [[nodiscard]] bool pose(double l, double t, LinkagePose& out) const noexcept;
-  [[nodiscard]] bool hessian(double l, double t, LinkageHessian& out) const noexcept;
+  /// H[i][k][m] = d2 x_i / dq_k dq_m.
+  [[nodiscard]] bool hessian(double l, double t, double (&H)[2][2][2]) const noexcept;
   /// How q1 and q2 accelerate, rad/s^2, while l and t change at the constant rates l_dot (m/s) and
   /// t_dot (rad/s).
   [[nodiscard]] bool velocity_product(double l, double t, double l_dot, double t_dot,
-                                      double (&out)[2]) const noexcept;
+                                      Eigen::Vector2d& out) const noexcept;
   /// The candidate of core/METHOD.md#inverse-map on the branch det J > 0, with its sliders; not
   /// checked against any limit. With c1 > 0 and c2 > 0 it is the pose the linkage assembles to: det
   /// J = s/(c1 c2).
   [[nodiscard]] bool closed_inverse(double q1, double q2, ClosedPose& out) const noexcept;
-  /// closed_inverse(), and how the linkage moves there while the joints have these rates, rad/s:
+  /// closed_inverse() of x, and in `motion` J and product for the rates x_dot of the joints, rad/s:
   /// without assembling it again. False also where its Jacobian is not usable.
-  [[nodiscard]] bool closed_motion(double q1, double q2, double q1_dot, double q2_dot,
-                                   ClosedPose& out, LinkageMotion& motion) const noexcept;
+  [[nodiscard]] bool closed_motion(const Eigen::Vector2d& x, const Eigen::Vector2d& x_dot,
+                                   ClosedPose& out,
+                                   FingerExoskeleton::Motion& motion) const noexcept;
 
   [[nodiscard]] const FingerDimensions& dimensions() const noexcept { return dim_; }
 

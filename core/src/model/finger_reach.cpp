@@ -81,12 +81,12 @@ bool FingerReach::gradient(int constraint, double l, double t, const LinkagePose
     g_t = sign * slope[1];
     return true;
   }
-  LinkageHessian h;
-  if (!linkage_.hessian(l, t, h)) return false;
+  double H[2][2][2];
+  if (!linkage_.hessian(l, t, H)) return false;
   double g[2];
   for (int k = 0; k < 2; ++k) {
-    const double det_k = h.H[0][0][k] * p.J(1, 1) + p.J(0, 0) * h.H[1][1][k] -
-                         h.H[0][1][k] * p.J(1, 0) - p.J(0, 1) * h.H[1][0][k];
+    const double det_k = H[0][0][k] * p.J(1, 1) + p.J(0, 0) * H[1][1][k] - H[0][1][k] * p.J(1, 0) -
+                         p.J(0, 1) * H[1][0][k];
     g[k] = det_k * p.c1 * p.c2 + p.det() * (p.c1_k[k] * p.c2 + p.c1 * p.c2_k[k]);
   }
   g_l = g[0];

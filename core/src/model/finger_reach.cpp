@@ -57,11 +57,11 @@ double FingerReach::value(int constraint, double l, double t, const LinkagePose&
   return constraint % 2 == 0 ? at[i] - lower[i] : upper[i] - at[i];
 }
 
-int FingerReach::violated(double l, double t) const noexcept {
+int FingerReach::violated(double l, double t, int but) const noexcept {
   LinkagePose p;
   if (!linkage_.pose(l, t, p)) return kNoClosure;
   for (int c = 0; c < kConstraints; ++c) {
-    if (!(value(c, l, t, p) >= -FingerLinkage::kLimitSlack)) return c;
+    if (c != but && !(value(c, l, t, p) >= -FingerLinkage::kLimitSlack)) return c;
   }
   return -1;
 }
@@ -198,16 +198,6 @@ bool FingerReach::restore(int constraint, double& l, double& t) const noexcept {
   return linkage_.pose(l, t, p) && std::abs(value(constraint, l, t, p)) < 1e-10;
 }
 
-/// Every limit but the one whose curve the point lies on.
-bool FingerReach::allowed_beside(int constraint, double l, double t) const noexcept {
-  LinkagePose p;
-  if (!linkage_.pose(l, t, p)) return false;
-  for (int c = 0; c < kConstraints; ++c) {
-    if (c != constraint && !(value(c, l, t, p) >= -FingerLinkage::kLimitSlack)) return false;
-  }
-  return true;
-}
-
 ReachPoint FingerReach::slide(ReachPoint from, double q1, double q2) const noexcept {
   constexpr int kSteps = 20;
   constexpr double kShortest =
@@ -238,7 +228,7 @@ ReachPoint FingerReach::slide(ReachPoint from, double q1, double q2) const noexc
       next.t = best.t + s * tangent_t;
       LinkagePose at;
       if (!restore(best.constraint, next.l, next.t) ||
-          !allowed_beside(best.constraint, next.l, next.t) || !linkage_.pose(next.l, next.t, at)) {
+          violated(next.l, next.t, best.constraint) >= 0 || !linkage_.pose(next.l, next.t, at)) {
         continue;
       }
       next.q1 = at.q1;

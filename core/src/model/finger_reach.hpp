@@ -42,15 +42,14 @@ class FingerReach {
 
   [[nodiscard]] double value(int constraint, double l, double t,
                              const LinkagePose& pose) const noexcept;
-  /// The first limit that does not hold, or -1.
-  [[nodiscard]] int violated(double l, double t) const noexcept;
+  /// The first limit that does not hold, or -1. `but`: not this one.
+  [[nodiscard]] int violated(double l, double t, int but = -1) const noexcept;
   [[nodiscard]] bool gradient(int constraint, double l, double t, const LinkagePose& pose,
                               double& g_l, double& g_t) const noexcept;
   void trace();
   void add_crossing(double l_in, double t_in, double l_out, double t_out);
   void add(double l, double t, int constraint);
   [[nodiscard]] bool restore(int constraint, double& l, double& t) const noexcept;
-  [[nodiscard]] bool allowed_beside(int constraint, double l, double t) const noexcept;
   [[nodiscard]] ReachPoint slide(ReachPoint from, double q1, double q2) const noexcept;
 
   const FingerLinkage& linkage_;

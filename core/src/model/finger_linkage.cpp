@@ -162,7 +162,7 @@ bool FingerLinkage::pose(double l, double t, LinkagePose& out) const noexcept {
   return true;
 }
 
-/// By three directions: that of l, that of t, and their sum.
+/// Takes three directions: that of l, that of t, and their sum.
 bool FingerLinkage::hessian(double l, double t, double (&H)[2][2][2]) const noexcept {
   Assembly a;
   if (!assemble(dim_, P0_, e_a_, d_, e_, l, t, a)) return false;

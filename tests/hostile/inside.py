@@ -6,6 +6,7 @@ import dataclasses
 import os
 import pathlib
 import pty
+import random
 import re
 import select
 import signal
@@ -88,10 +89,8 @@ class Mode:
 
     def __call__(self, daemon):
         attacker = Attacker(daemon)
-        mode, *words = self.command.split()
-        stands_for = words_of(daemon)
         before = daemon.log.stat().st_size
-        attacker.tell(mode, self.seconds, *[stands_for.get(word, word) for word in words])
+        attacker.tell(*told(self, self.seconds, words_of(daemon)))
         said = attacker.hear(self.seconds + (0.5 if self.ends else 8.0))
         wrong = [line for line in said if line.startswith(("GOT IN", "unknown"))]
         if self.landlock == 0 and "no Landlock" in daemon.text():  # the log says it
@@ -99,15 +98,25 @@ class Mode:
         if said[-1:] != ["done"] and not self.ends:
             wrong.append("the attacker did not end")
         if self.ends:
-            for pid in daemon.fronts():
-                with contextlib.suppress(ProcessLookupError):
-                    os.kill(pid, signal.SIGKILL)
+            kill_fronts(daemon)
         if self.after:
             wrong += self.after(daemon, said)
         grown = (daemon.log.stat().st_size - before) / self.seconds
         if grown > LOG_RATE:
             wrong.append(f"the log grew by {grown / MB:.0f} MB/s")
         return {"wrong": wrong, "notes": [summary(said)]}
+
+
+def told(mode, seconds, stands_for):
+    """The parts of a command."""
+    name, *words = mode.command.split()
+    return name, seconds, *[stands_for.get(word, word) for word in words]
+
+
+def kill_fronts(daemon):
+    for pid in daemon.fronts():
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
 
 
 def summary(said):
@@ -172,7 +181,7 @@ MODES = [
     Mode("blocking", "F1", SURVIVED, "blocking", ends=True),
     Mode("blocking_deaf", "F1", SURVIVED, "blocking deaf", ends=True),
     Mode("pages", "F5", SURVIVED, "pages", 5.0),
-    Mode("futexes", "F5", SURVIVED, "futexes"),
+    Mode("futexes", "F5", SURVIVED, "futexes", ends=True),
     Mode("locks", "F1", SURVIVED, "locks"),
     *[Mode(f"sockets_{how}", "F1", SURVIVED, f"sockets {how}", ends=True)
       for how in ("shut", "filter", "backlog", "link")],
@@ -196,6 +205,18 @@ MODES = [
     Mode("stops_itself", "F12", "replaced", "dies stop", ends=True),
     Mode("hangs", "F12", "replaced when asked", "dies hang", after=restarts),
 ]
+
+
+def several(daemon):
+    """Five modes side by side, other ones each time; the front is killed in the end."""
+    attacker, stands_for = Attacker(daemon), words_of(daemon)
+    chosen = random.sample([m for m in MODES if m.landlock is None and not m.more.get("user")], 5)
+    for mode in chosen:
+        attacker.tell(*told(mode, 4.0, stands_for))
+        time.sleep(0.2)
+    time.sleep(4.0)
+    kill_fronts(daemon)
+    return {"notes": [" ".join(mode.name for mode in chosen)]}
 
 
 def plays(folder, *commands):

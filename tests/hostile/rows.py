@@ -206,5 +206,7 @@ ROWS = [
 ]
 ROWS += [Row("front_" + mode.name, mode.expected, mode, "front", mode.finding, inside=True,
              landlock=mode.landlock, **mode.more) for mode in inside.MODES]
+ROWS.append(Row("front_several", inside.SURVIVED, inside.several, "front", "F1-F16", inside=True,
+                quiet=5.0))
 ROWS += [Row("front_" + name, expected, attack, "front", finding, alone=True, seconds=60)
          for name, finding, expected, attack in inside.ALONE]

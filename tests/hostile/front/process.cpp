@@ -136,13 +136,16 @@ void noise(Inside& in) {
   for (std::thread& each : all) each.join();
 }
 
-/// The log: escapes, a forged line, no end of it. Word: "shut" ends with a shutdown of it.
+/// Escapes, a forged line, and 64 MB for the log. Word: "shut" ends with a shutdown of it.
 void log(Inside& in) {
   fcntl(STDERR_FILENO, F_SETFL, O_WRONLY | O_NONBLOCK);
   const std::string line = "\x1b[31mred\x9b\x07\n2026 forged line \xe2\x80\xae\n";
-  while (in.goes_on()) {
-    static_cast<void>(write(STDERR_FILENO, line.data(), line.size()));
-    static_cast<void>(write(STDERR_FILENO, std::string(60'000, 'x').data(), 60'000));
+  const std::string much(60'000, 'x');
+  for (std::size_t sent = 0; in.goes_on() && sent < 64 * kMb;) {
+    for (const std::string& each : {line, much}) {
+      const ssize_t put = write(STDERR_FILENO, each.data(), each.size());
+      if (put > 0) sent += static_cast<std::size_t>(put);
+    }
   }
   if (in.words.empty()) return;
   shutdown(STDERR_FILENO, SHUT_RDWR);

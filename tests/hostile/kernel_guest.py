@@ -16,7 +16,6 @@ os.environ.update(PATH="/usr/bin", HAPTICD="/usr/bin/hapticd", HAPTICCTL="/usr/b
                   HAPTIC_FRONT_ATTACKER="/usr/bin/haptic-front-attacker")
 NAMES = ("calls", "setown", "blocking_deaf", "pages", "sockets_shut", "rights", "clears",
          "memory_memfd", "dies_abort", "log")
-PATIENCE_S, SERVED_S = 120.0, 30.0
 POWER_OFF = 0x4321FEDC
 
 
@@ -37,37 +36,6 @@ def prepare():
     return libc
 
 
-def attack(mode, user):
-    """What was wrong, and notes."""
-    import inside
-    from daemon import Daemon, local_stop
-    from faults import until_served
-    folder = f"/tmp/{mode.name}-{user}"
-    daemon = Daemon(folder, env=inside.environment(folder), user=user, wait=False, limits=())
-    try:
-        daemon.wait_served(PATIENCE_S)
-        local_stop(daemon)
-        answer = mode(daemon)
-        wrong = answer["wrong"]
-        if daemon.process.poll() is not None:
-            return [*wrong, f"hapticd died, status {daemon.process.returncode}"], ""
-        if until_served(daemon, SERVED_S) is None:
-            wrong.append("not served again")
-        try:
-            local_stop(daemon)
-        except OSError as why:
-            wrong.append(f"local stop: {why}")
-        took, status = daemon.stop(PATIENCE_S)
-        if status != 0:
-            wrong.append(f"hapticd ended with {status} after {took:.0f} s")
-        return wrong, "; ".join(answer["notes"])
-    finally:
-        daemon.kill()
-        for line in daemon.text().splitlines():
-            if "confinement" in line:
-                say(f"    {line}")
-
-
 def main():
     libc = prepare()
     failed = 0
@@ -78,7 +46,10 @@ def main():
         for user in (None, inside.USER):
             for mode in (mode for mode in inside.MODES if mode.name in NAMES):
                 began = time.monotonic()
-                wrong, notes = attack(mode, user)
+                wrong, notes, log = inside.without_times(f"/tmp/{mode.name}-{user}", mode, user)
+                for line in log.splitlines():
+                    if "confinement" in line:
+                        say(f"    {line}")
                 failed += bool(wrong)
                 say(f"{'FAILED' if wrong else 'held  '} front_{mode.name} as "
                     f"{'root' if user is None else 'a user'} ({time.monotonic() - began:.0f} s): "

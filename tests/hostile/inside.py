@@ -64,7 +64,7 @@ def control_names(daemon):
     with contextlib.suppress(OSError):
         for line in pathlib.Path("/proc/net/unix").read_text().splitlines():
             path = line.split()[-1]
-            if "hapticd" in path and path not in names:
+            if "hapticd" in path and str(daemon.port) in path and path not in names:
                 names.append(path)
     return names
 
@@ -184,6 +184,7 @@ MODES = [
     Mode("blocking_deaf", "F1", SURVIVED, "blocking deaf", ends=True),
     Mode("pages", "F5", SURVIVED, "pages", 5.0),
     Mode("futexes", "F5", SURVIVED, "futexes", ends=True),
+    Mode("epolls", "new", SURVIVED, "epolls", 6.0, ends=True),
     Mode("locks", "F1", SURVIVED, "locks"),
     *[Mode(f"sockets_{how}", "F1", SURVIVED, f"sockets {how}", ends=True)
       for how in ("shut", "filter", "backlog", "link")],

@@ -189,7 +189,7 @@ Calls on_kernel() {
       "io_uring_register keyctl add_key request_key init_module finit_module delete_module "
       "kexec_load swapon swapoff settimeofday clock_settime clock_adjtime iopl ioperm quotactl "
       "acct syslog sethostname vhangup fanotify_init inotify_init1 open_by_handle_at shmget "
-      "semget msgget mq_open memfd_secret");
+      "semget msgget mq_open memfd_secret futex_waitv");
   Calls all{call("memfd_create", SYS_memfd_create, "more", 0)};
   for (std::string name; names >> name;) {
     all.push_back(call(name, seccomp_syscall_resolve_name(name.c_str()), -1, 0, 0, 0, 0, 0));
@@ -207,6 +207,12 @@ Calls on_descriptors() {
           call("F_SETFL O_ASYNC", SYS_fcntl, kLink, F_SETFL, O_NONBLOCK | O_ASYNC),
           call("F_SETLEASE", SYS_fcntl, kLink, F_SETLEASE, F_RDLCK),
           call("F_NOTIFY", SYS_fcntl, kLink, F_NOTIFY, 1),
+          call("F_SETPIPE_SZ", SYS_fcntl, kLink, F_SETPIPE_SZ, 1 << 20),
+          call("SO_LINGER", SYS_setsockopt, kLink, SOL_SOCKET, SO_LINGER, 0, 0),
+          call("SO_ATTACH_FILTER", SYS_setsockopt, kLink, SOL_SOCKET, SO_ATTACH_FILTER, 0, 0),
+          call("SO_LOCK_FILTER", SYS_setsockopt, kLink, SOL_SOCKET, SO_LOCK_FILTER, 0, 0),
+          call("MADV_REMOVE", SYS_madvise, 1, 1, MADV_REMOVE),
+          call("MADV_PAGEOUT", SYS_madvise, 1, 1, MADV_PAGEOUT),
           call("FIOASYNC", SYS_ioctl, kLink, FIOASYNC, &on),
           call("FIOSETOWN", SYS_ioctl, kLink, 0x8901, &on),
           call("SIOCSPGRP", SYS_ioctl, kLink, 0x8902, &on),

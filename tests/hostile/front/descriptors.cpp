@@ -5,6 +5,7 @@
 #include <linux/futex.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <sys/epoll.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
@@ -185,6 +186,25 @@ void sockets(Inside& in) {
   pause_until_over(in);
 }
 
+/// Watches the link by as many epolls and copies of it as there may be: whoever wakes its end up,
+/// and that is the owner, walks them all.
+void epolls(Inside& in) {
+  std::vector<int> copies;
+  for (int copy = 0; copies.size() < 1500 && (copy = dup(kLink)) >= 0;) copies.push_back(copy);
+  std::size_t watches = 0;
+  for (int watcher = 0; in.goes_on() && (watcher = epoll_create1(0)) >= 0;) {
+    for (const int copy : copies) {
+      epoll_event event{EPOLLIN | EPOLLOUT | EPOLLET, {}};
+      if (epoll_ctl(watcher, EPOLL_CTL_ADD, copy, &event) == 0) ++watches;
+    }
+  }
+  answer("watches " + std::to_string(watches));
+  while (in.goes_on()) {
+    in.owner.say({});
+    std::this_thread::sleep_for(5ms);
+  }
+}
+
 /// A message to the owner with descriptors.
 bool send_with(const std::vector<int>& descriptors, std::size_t bytes) {
   static std::array<char, 8192> zeros{};
@@ -244,13 +264,10 @@ std::vector<int> shared_pages(const Inside& in) {
   return found;
 }
 
-const std::vector<Mode> kDescriptorModes{{"blocking", blocking},
-                                         {"setown", signals_by_descriptor},
-                                         {"locks", locks},
-                                         {"pages", pages},
-                                         {"futexes", futexes},
-                                         {"sockets", sockets},
-                                         {"rights", descriptors_to_owner},
+const std::vector<Mode> kDescriptorModes{{"blocking", blocking},  {"setown", signals_by_descriptor},
+                                         {"locks", locks},        {"pages", pages},
+                                         {"futexes", futexes},    {"epolls", epolls},
+                                         {"sockets", sockets},    {"rights", descriptors_to_owner},
                                          {"lingering", lingering}};
 
 }  // namespace haptic::hostile

@@ -1,9 +1,9 @@
 #include "server/owner/telemetry/renderer_comparison.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
+
+#include "haptic/core/passivity/spring_storage.hpp"
 
 namespace haptic::server {
 
@@ -36,25 +36,17 @@ const std::array<core::VecA, core::kPaperRenderers.size()>& RendererComparison::
   const core::VecA& stiffness = record.input.settings.stiffness;
   const core::VecA& limit = record.input.settings.force_limit;
   const core::VecA q_a = layout.select(record.sensed.q);
+  const core::SpringStorage diagonal{stiffness, limit, record.life.gain};
+  core::SpringStorage coupled{.gain = record.life.gain};
   if (model_.coupling()) {
-    spring_.gain = record.life.gain;
-    spring_.Z_q = model_.coupling()->matrix(stiffness);
-    spring_.hold_within(limit);
+    coupled.Z_q = model_.coupling()->matrix(stiffness);
+    coupled.hold_within(limit);
   }
   for (std::size_t k = 0; k < core::kPaperRenderers.size(); ++k) {
     renderers_[k].project(core::Probe{record.sensed.q, map_.x_probe(), map_.J()}, record.anchor.x,
                           dx_, stiffness, proxy_changed, projection_);
-    const core::VecA q_star_a = layout.select(projection_.q_star);
-    if (spring_.coupled() && core::renders_Z_q(core::kPaperRenderers[k])) {
-      tau_[k] = spring_.force(q_star_a - q_a);
-      continue;
-    }
-    for (int i = 0; i < layout.n_a(); ++i) {
-      const double elastic =
-          record.life.gain * stiffness[i] * (q_star_a[i] - q_a[i]);  // Eq. (6), (7)
-      const double most = record.life.gain * limit[i];
-      tau_[k][i] = std::isfinite(elastic) ? std::clamp(elastic, -most, most) : elastic;
-    }
+    const bool whole = coupled.coupled() && core::renders_Z_q(core::kPaperRenderers[k]);
+    tau_[k] = (whole ? coupled : diagonal).force(layout.select(projection_.q_star) - q_a);
   }
   return tau_;
 }

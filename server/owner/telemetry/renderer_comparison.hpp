@@ -13,7 +13,6 @@
 #include <memory>
 #include <vector>
 
-#include "haptic/core/passivity/spring_storage.hpp"
 #include "haptic/core/rendering/block_map.hpp"
 #include "haptic/core/rendering/block_renderer.hpp"
 #include "haptic/core/tick/pipeline.hpp"
@@ -42,7 +41,6 @@ class RendererComparison {
   core::VecX last_x_{};
   core::VecX dx_{};
   core::Projection projection_{};
-  core::SpringStorage spring_{};  ///< of the subspace methods where Z_q is coupled
 };
 
 }  // namespace haptic::server

@@ -13,10 +13,14 @@ void read(const v1::Event& from, Event& to);
 void read(const v1::Device& from, DeviceInfo& to);
 void read(const v1::GetServerInfoResponse& from, ServerInfo& to);
 void read(const v1::GetLinkStatsResponse& from, LinkReport& to);
+void read(const v1::UpdateSettingsRequest& from, Settings& to);
+void read(const v1::UpdateSettingsResponse& from, AppliedSettings& to);
 void write(const Event& from, v1::Event& to);
 void write(const DeviceInfo& from, v1::Device& to);
 void write(const ServerInfo& from, v1::GetServerInfoResponse& to);
 void write(const LinkReport& from, v1::GetLinkStatsResponse& to);
+void write(const Settings& from, v1::UpdateSettingsRequest& to);
+void write(const AppliedSettings& from, v1::UpdateSettingsResponse& to);
 void write(const Plane& from, v1::Plane& to);
 
 /// A value that read() fills.
@@ -28,8 +32,6 @@ template <typename Type, typename Message>
 }
 /// `received` is now.
 [[nodiscard]] DeviceState to_state(const v1::DeviceState& message);
-[[nodiscard]] v1::UpdateSettingsRequest to_request(const Settings& settings);
-[[nodiscard]] AppliedSettings to_settings(const v1::UpdateSettingsResponse& message);
 [[nodiscard]] std::chrono::nanoseconds to_duration(const google::protobuf::Duration& message);
 void write(std::chrono::nanoseconds from, google::protobuf::Duration& to);
 

@@ -175,9 +175,10 @@ PublishStatistics RemoteSession::statistics() const {
 }
 
 AppliedSettings RemoteSession::update(const Settings& settings) {
-  v1::UpdateSettingsRequest request = to_request(settings);
+  v1::UpdateSettingsRequest request;
+  write(settings, request);
   request.set_session_id(session_id());
-  return to_settings(call(*stub_, &Stub::UpdateSettings, request, options_.timeout));
+  return read_as<AppliedSettings>(call(*stub_, &Stub::UpdateSettings, request, options_.timeout));
 }
 
 void RemoteSession::close() {

@@ -7,9 +7,11 @@ TYPES = {"double": "double", "uint32": "std::uint32_t", "uint64": "std::uint64_t
          "int32": "std::int32_t", "int64": "std::int64_t", "sint64": "std::int64_t", "bool": "bool",
          "string": "std::string", "duration": "std::chrono::nanoseconds"}
 FACTS = ("Device", "GetServerInfoResponse")  # that C and Python have, too
-_FACTS = ("Event", *FACTS, "GetLinkStatsResponse")
+_FACTS = ("Event", *FACTS, "GetLinkStatsResponse", "UpdateSettingsRequest",
+          "UpdateSettingsResponse")
 _CALLED = {"Device": "DeviceInfo", "GetServerInfoResponse": "ServerInfo",
            "GetLinkStatsResponse": "LinkReport", "LinkTransport": "LinkCarrier",
+           "UpdateSettingsRequest": "Settings", "UpdateSettingsResponse": "AppliedSettings",
            "LinkTransport.transport": "carrier", "SessionLink.transports": "carriers"}
 # Messages and durations that the server always sends; others are optional.
 _ALWAYS = ("realtime", "loop", "uptime", "lease_timeout", "up", "down", "bound")
@@ -34,8 +36,9 @@ def called(message: str) -> str:
 
 
 def fields_of(schema: Schema, message: Message) -> list[Field]:
-    return [field for field in message.fields
-            if field.kind != "message" or field.type in schema.messages]
+    """But for the session's id, which the library has, and messages of another file."""
+    return [field for field in message.fields if field.name != "session_id"
+            and (field.kind != "message" or field.type in schema.messages)]
 
 
 def is_optional(field: Field) -> bool:
@@ -130,7 +133,7 @@ def _read(schema: Schema, field: Field) -> str:
         return f"{when}{to} = to_duration({got});"
     if field.kind == "enum":
         return f"{to} = static_cast<{_type(schema, field)}>({got});"
-    return f"{to} = std::chrono::microseconds({got});" if field.is_time else f"{to} = {got};"
+    return f"{when}{to} = " + (f"std::chrono::microseconds({got});" if field.is_time else f"{got};")
 
 
 def _write(field: Field) -> str:
@@ -147,9 +150,9 @@ def _write(field: Field) -> str:
     return f"{when}to.set_{field.name}({value}{'.count()' if field.is_time else ''});"
 
 
-def _writer(schema: Schema, message: Message, local: str = "") -> list[str]:
-    name = called(message.name)
-    return ["", f"{local}void write(const {name}& from, v1::{message.name}& to) {{",
+def _writer(schema: Schema, message: Message, local: bool = False) -> list[str]:
+    into = "auto" if local else f"v1::{message.name}"
+    return ["", f"{'static ' * local}void write(const {called(message.name)}& from, {into}& to) {{",
             *(f"  {_write(field)}" for field in fields_of(schema, message)), "}"]
 
 
@@ -157,8 +160,9 @@ def _conversion(schema: Schema, header: str, messages: list[Message],
                 roots: tuple[str, ...]) -> list[str]:
     body = []
     for message in messages:
-        local, name = "" if message.name in roots else "static ", called(message.name)
-        body += ["", f"{local}void read(const v1::{message.name}& from, {name}& to) {{",
+        local, name = message.name not in roots, called(message.name)
+        got = "auto" if local else f"v1::{message.name}"  # a message in another has a longer name
+        body += ["", f"{'static ' * local}void read(const {got}& from, {name}& to) {{",
                  *(f"  {_read(schema, field)}" for field in fields_of(schema, message)), "}",
                  *_writer(schema, message, local)]
     return source([f'#include "{header}"'], "haptic::client", body)

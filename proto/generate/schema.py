@@ -8,7 +8,8 @@ from google.protobuf import descriptor_pool, message_factory
 
 MADE = "Made of the messages in proto/haptic/v1 by proto/generate: nothing to edit here."
 # Field numbers of descriptor.proto.
-_FILE_MESSAGE, _FILE_ENUM, _MESSAGE_FIELD, _MESSAGE_ENUM, _ENUM_VALUE = 4, 5, 2, 4, 2
+_FILE_MESSAGE, _FILE_ENUM, _ENUM_VALUE = 4, 5, 2
+_MESSAGE_FIELD, _MESSAGE_MESSAGE, _MESSAGE_ENUM = 2, 3, 4
 _PICTURES = "haptic/v1/drawing.proto"  # of the page alone
 AXES = {"": "", "DOF": "per DoF", "ACTUATED": "per actuated DoF", "COORDINATE": "per coordinate"}
 
@@ -138,14 +139,19 @@ class Schema:
         places = file.source_code_info.location
         comments = {tuple(place.path): _joined(place) for place in places}
         for index, message in enumerate(file.message_type):
-            path = (_FILE_MESSAGE, index)
-            fields = [self._field(message.name, field, comments.get((*path, _MESSAGE_FIELD, i), ""))
-                      for i, field in enumerate(message.field)]
-            self.messages[message.name] = Message(message.name, comments.get(path, ""), fields)
-            for i, enum in enumerate(message.enum_type):
-                self._enum(enum, (*path, _MESSAGE_ENUM, i), comments)
+            self._message(message, (_FILE_MESSAGE, index), comments)
         for index, enum in enumerate(file.enum_type):
             self._enum(enum, (_FILE_ENUM, index), comments)
+
+    def _message(self, message: pb.DescriptorProto, path: tuple[int, ...],
+                 comments: dict[tuple[int, ...], str]) -> None:
+        fields = [self._field(message.name, field, comments.get((*path, _MESSAGE_FIELD, i), ""))
+                  for i, field in enumerate(message.field)]
+        self.messages[message.name] = Message(message.name, comments.get(path, ""), fields)
+        for i, held in enumerate(message.nested_type):
+            self._message(held, (*path, _MESSAGE_MESSAGE, i), comments)
+        for i, enum in enumerate(message.enum_type):
+            self._enum(enum, (*path, _MESSAGE_ENUM, i), comments)
 
     def _enum(self, enum: pb.EnumDescriptorProto, path: tuple[int, ...],
               comments: dict[tuple[int, ...], str]) -> None:

@@ -162,7 +162,7 @@ TEST_F(ClientSession, SettingsTravelAndClampsComeBack) {
   ASSERT_EQ(answer.clamped.size(), 1U);
   EXPECT_EQ(answer.clamped[0].field, "stiffness[0]");
   EXPECT_EQ(answer.clamped[0].applied, 400.0);
-  EXPECT_EQ(answer.applied.renderer, client::Renderer::kSubspaceLinear);
+  EXPECT_EQ(answer.renderer, client::Renderer::kSubspaceLinear);
 }
 
 TEST_F(ClientSession, APersistentFaultIsNotCleared) {

@@ -30,16 +30,15 @@ std::optional<std::chrono::nanoseconds> limit(std::uint64_t ns) {
 
 haptic_settings to_settings(const client::AppliedSettings& settings) {
   haptic_settings to{};
-  const client::Settings& applied = settings.applied;
-  write_list(applied.stiffness, to.stiffness);
-  write_list(applied.damping, to.damping);
-  write_list(applied.force_limit, to.force_limit);
-  write_list(applied.slew_limit, to.slew_limit);
-  to.renderer = static_cast<std::int32_t>(applied.renderer);
-  if (applied.direction_guard) to.direction_guard = *applied.direction_guard ? 1 : 2;
+  write_list(settings.stiffness, to.stiffness);
+  write_list(settings.damping, to.damping);
+  write_list(settings.force_limit, to.force_limit);
+  write_list(settings.slew_limit, to.slew_limit);
+  to.renderer = static_cast<std::int32_t>(settings.renderer);
+  to.direction_guard = settings.direction_guard ? 1 : 2;
   to.clamped = static_cast<std::uint32_t>(settings.clamped.size());
   std::vector<std::string> why;
-  for (const client::AppliedSettings::Clamp& clamp : settings.clamped) {
+  for (const client::Clamp& clamp : settings.clamped) {
     std::ostringstream line;
     line << clamp.field << " = " << clamp.asked << ": " << clamp.applied << " applied, "
          << clamp.why;

@@ -82,24 +82,6 @@ struct SessionOptions {
   std::function<void(const ClientError&, bool will_retry)> on_disconnect{};
 };
 
-/// Settings of the device, one value per actuated DoF: stiffness in N/m or N m/rad, damping in N
-/// s/m or N m s/rad, limits of the force in N or N m and of its slope in N/s or N m/s.
-struct Settings {
-  std::vector<double> stiffness{}, damping{}, force_limit{}, slew_limit{};  ///< empty: unchanged
-  Renderer renderer{Renderer::kNone};                                       ///< kNone: unchanged
-  std::optional<bool> direction_guard{};  ///< whether the direction guard acts; empty: unchanged
-};
-
-struct AppliedSettings {
-  Settings applied{};  ///< all of them, as they are now
-  struct Clamp {
-    std::string field{};
-    double asked{0.0}, applied{0.0};
-    std::string why{};
-  };
-  std::vector<Clamp> clamped{};  ///< what was asked beyond a limit of the scene
-};
-
 /// Calls that wait for an answer throw ClientError.
 class Session {
  public:

@@ -81,10 +81,11 @@ function shown(field: DescField, value: unknown): number | bigint | string {
   return value as number | bigint | string;
 }
 
-function unitOf(field: DescField, position: string): string {
-  return getOption(field, unit).replace("POSITION", position)
-    .replace("EFFORT", position === "m" ? "N" : "N m");
-}
+/** Unit of the force on what slides ("m"), and of the torque on what turns. */
+export const effortUnit = (position: string): string => (position === "m" ? "N" : "N m");
+
+const unitOf = (field: DescField, position: string): string =>
+  getOption(field, unit).replace("POSITION", position).replace("EFFORT", effortUnit(position));
 
 /** "ENGAGED" for DeviceStateName.ENGAGED; a number that the library does not know is itself. */
 export function enumName(type: DescEnum, value: number): string {

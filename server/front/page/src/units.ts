@@ -20,11 +20,6 @@ export function shownIn(unit: string): Shown {
   return SHOWN[unit] ?? { unit, factor: 1, digits: 3 };
 }
 
-/** The unit of the effort on a DoF: a force on what slides, a torque on what turns. */
-export function effortUnit(unit: string): string {
-  return unit === "rad" ? "N m" : "N";
-}
-
 /** The actuated DoFs in the order of tau_a. */
 export function actuated(device: Device) {
   return device.dofs.filter((dof) => dof.actuated);

@@ -1,9 +1,9 @@
 // The state of a device in words.
 
 import {
-  bitNames, DeviceStateNameSchema, enumName, ProxyMode, type Device, type DeviceState,
+  bitNames, DeviceStateNameSchema, effortUnit, enumName, ProxyMode, type Device, type DeviceState,
 } from "hapticd";
-import { actuated, effortUnit, number, shownIn } from "./units";
+import { actuated, number, shownIn } from "./units";
 
 /** How it is told apart besides the words: a colour and a sign of its own. */
 export type Tone = "calm" | "ready" | "force" | "fault";

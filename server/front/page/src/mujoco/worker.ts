@@ -1,6 +1,8 @@
 // The engine and its session with hapticd, away from what paints: a slow picture delays no sample.
 
-import { ClientError, Connection, type DeviceState, Proxy, type Session } from "hapticd";
+import {
+  ClientError, Connection, effortUnit, Proxy, type DeviceState, type Session,
+} from "hapticd";
 import type { Order, Report, Timing } from "./messages";
 import { World } from "./world";
 
@@ -119,7 +121,7 @@ async function start(scene: string, token?: string): Promise<void> {
   say({
     kind: "scene", device: session.device.name, geoms: world.geoms(), up: world.up(),
     motors: session.device.dofs.filter(({ actuated }) => actuated)
-      .map(({ name, unit }) => ({ name, unit: unit === "m" ? "N" : "N m" })),
+      .map(({ name, unit }) => ({ name, unit: effortUnit(unit) })),
   });
   tell("");
   await run(session, world);

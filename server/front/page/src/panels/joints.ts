@@ -1,8 +1,8 @@
 // The table "Joints": where each DoF stands, and the force on it.
 
-import type { Device, DeviceState } from "hapticd";
+import { effortUnit, type Device, type DeviceState } from "hapticd";
 import { at, html, render } from "../dom";
-import { effortUnit, number, quantity } from "../units";
+import { number, quantity } from "../units";
 
 const meter = (share: number) => html`<meter value=${share} aria-hidden="true"></meter>
   ${number(share * 100, 0)} %`;

@@ -1,7 +1,9 @@
 // Which traces a device has, and where their values come from.
 
-import type { DegreeOfFreedom, Device, DeviceState, GetServerInfoResponse } from "hapticd";
-import { actuated, effortUnit, shownIn } from "../units";
+import {
+  effortUnit, type DegreeOfFreedom, type Device, type DeviceState, type GetServerInfoResponse,
+} from "hapticd";
+import { actuated, shownIn } from "../units";
 
 export interface Line {
   label: string;

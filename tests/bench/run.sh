@@ -27,29 +27,26 @@ cmake --build --preset release --parallel "$(nproc)" \
   haptic-bench-web haptic-bench-crossing hapticd >&2
 bin=build/release
 
-resident_kb() {  # of a process and all that it started, as if they shared nothing
-  local total child
-  total=$(awk '/VmRSS/ {print $2}' "/proc/$1/status")
-  for child in $(pgrep -P "$1"); do
-    total=$((total + $(resident_kb "$child")))
-  done
-  echo "$total"
+resident_kb() {
+  awk '/VmRSS/ {print $2}' "/proc/$1/status"
 }
 
-# Resident memory of an idle hapticd and its front, after 5 s and at the end, without and with
-# locking.
+# Resident memory of an idle hapticd, its launcher and its front, after 5 s and at the end, without
+# and with locking.
 memory() {
-  local seconds=${MEMORY_SECONDS:-30}
-  echo "what,after_s,resident_kb"
+  local seconds=${MEMORY_SECONDS:-30} launcher
+  echo "what,after_s,owner_kb,launcher_kb,front_kb"
   for mode in off try; do
     local folder
     folder=$(mktemp -d)
-    "$bin/server/hapticd" --scene server/scenes/finger_constant.textproto --realtime="$mode" \
+    "$bin/server/hapticd" --scene server/scenes/finger_soft_grasp.textproto --realtime="$mode" \
       --listen "unix:$folder/socket" --log-level error &
     local id=$!
     for after in 5 "$seconds"; do
       sleep "$([ "$after" = 5 ] && echo 5 || echo $((seconds - 5)))"
-      echo "hapticd --realtime=$mode,$after,$(resident_kb "$id")"
+      launcher=$(pgrep -P "$id")
+      echo "hapticd --realtime=$mode,$after,$(resident_kb "$id"),$(resident_kb "$launcher"),$(
+        resident_kb "$(pgrep -P "$launcher")")"
     done
     kill -TERM "$id"
     wait "$id"

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <iomanip>
@@ -12,6 +11,7 @@
 #include "calibration/guide.hpp"
 #include "commands.hpp"
 #include "message_json.hpp"
+#include "say.hpp"
 
 namespace haptic::ctl {
 namespace {
@@ -136,6 +136,13 @@ client::DeviceInfo device_of(client::Connection& server, const std::string& name
     refuse("'" + device.name + "' is served with its calibration of " + device.calibrated +
            ": start hapticd without board.calibration_file to make a new one");
   }
+  // They stand in questions, and the serial number is the file's name.
+  std::vector<std::string> words{device.serial};
+  for (const auto& dof : device.dofs) words.insert(words.end(), {dof.name, dof.unit});
+  for (const std::string& word : words) {
+    const bool odd = word.find('/') != std::string::npos || wire::printable(word) != word;
+    if (odd) refuse("the server's name '" + word + "' is none: must be readable, without '/'");
+  }
   return device;
 }
 
@@ -143,14 +150,14 @@ client::DeviceInfo device_of(client::Connection& server, const std::string& name
 bool save(Guide& guide, std::ostream& out, const std::string& text, const std::string& file) {
   out << '\n' << text << '\n';
   if (!guide.agrees("Write this to " + file + "?")) {
-    std::fprintf(stderr, "nothing was written\n");
+    complain("nothing was written");
     return false;
   }
   std::ofstream stream(file);
   stream << text;
   stream.close();
   if (!stream) {
-    std::fprintf(stderr, "hapticctl: %s cannot be written\n", file.c_str());
+    complain("%s cannot be written", file);
     return false;
   }
   out << "written; a scene uses it by board { calibration_file: \"" << file << "\" }\n";
@@ -174,11 +181,11 @@ int calibrate(const Options& options) {
     if (options.json) {
       nlohmann::json all = to_json(result);
       all["file"] = file;
-      std::cout << all.dump() << '\n';
+      say("%s\n", dump(all));
     }
     return 0;
   } catch (const CalibrationAborted& aborted) {
-    std::fprintf(stderr, "hapticctl: calibration ended: %s; nothing was written\n", aborted.what());
+    complain("calibration ended: %s; nothing was written", std::string(aborted.what()));
     return 1;
   }
 }

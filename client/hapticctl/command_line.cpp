@@ -37,7 +37,8 @@ const std::string kFooter =
     std::to_string(wire::kGrpcPort) +
     "\"\n\n"
     "Exit status:\n"
-    "  0  done\n"
+    "  0  done; estop: stopped, locally or over the network, as the answer says: a local stop\n"
+    "     is cleared on that host alone, one over the network by every client that may control\n"
     "  1  failed; health: not serving; doctor: the host is unfit\n"
     "  2  bad command line, variable or configuration file\n"
     "  3  no hapticd answers at the address; find: none announces itself\n"

@@ -4,6 +4,8 @@
 #include <csignal>
 #include <cstdio>
 
+#include "say.hpp"
+
 namespace haptic::ctl {
 
 client::Connection connect(const Options& options) {
@@ -24,7 +26,7 @@ std::vector<client::DeviceInfo> meant(client::Connection& server, const std::str
 }
 
 void answer(const Options& options, const std::string& json, const std::string& text) {
-  std::printf("%s\n", (options.json ? json : text).c_str());
+  say("%s\n", options.json ? json : text);
   std::fflush(stdout);
 }
 

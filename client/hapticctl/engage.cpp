@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "commands.hpp"
+#include "say.hpp"
 #include "table.hpp"
 
 namespace haptic::ctl {
@@ -19,7 +20,7 @@ void print(const client::Session& session, const client::DeviceState& state, dou
   const auto refusal = session.engage_refusal();
   nlohmann::json all = state_json(session.device(), state);
   all["waits"] = refusal ? nlohmann::json(refusal->what()) : nlohmann::json();
-  answer(options, all.dump(),
+  answer(options, dump(all),
          line(session.device(), state, seconds) +
              (refusal ? std::string("  waits: ") + refusal->what() : ""));
 }

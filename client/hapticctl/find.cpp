@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "discovery/announced.hpp"
+#include "say.hpp"
 
 namespace haptic::ctl {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Announced, name, host, address, txt)
@@ -63,10 +64,9 @@ bool worked(const Found& found) {
 }
 
 void print(const Announced& server) {
-  std::printf("%-28s %s at %s", server.address.c_str(), quoted(server.name).c_str(),
-              quoted(server.host).c_str());
-  for (const std::string& text : server.txt) std::printf(" %s", quoted(text).c_str());
-  std::printf("\n");
+  say("%-28s %s at %s", server.address, dump(server.name), dump(server.host));
+  for (const std::string& text : server.txt) say(" %s", dump(text));
+  say("\n");
 }
 
 }  // namespace
@@ -74,23 +74,20 @@ void print(const Announced& server) {
 int find(const Options& options) {
   const Found found = browse(options.seconds);
   if (!worked(found)) {
-    std::fprintf(stderr,
-                 "hapticctl: find needs avahi-browse (Debian's avahi-utils) and a running "
-                 "avahi-daemon\n");
+    complain("find needs avahi-browse (Debian's avahi-utils) and a running avahi-daemon");
     return kFailed;
   }
   if (options.json) {
     const json all{{"servers", found.servers}};
-    std::printf("%s\n", all.dump(-1, ' ', true, json::error_handler_t::replace).c_str());
+    say("%s\n", dump(all));
   } else {
     for (const Announced& server : found.servers) print(server);
   }
   if (found.more) {
-    std::fprintf(stderr, "hapticctl: more is announced than the %zu servers or %zu bytes shown\n",
-                 kMostServers, kMostBytes);
+    complain("more is announced than the %zu servers or %zu bytes shown", kMostServers, kMostBytes);
   }
   if (found.servers.empty()) {
-    std::fprintf(stderr, "hapticctl: no hapticd announces itself on this network\n");
+    complain("no hapticd announces itself on this network");
     return kUnreachable;
   }
   return kDone;

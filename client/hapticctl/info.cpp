@@ -1,10 +1,10 @@
 #include <cinttypes>
-#include <cstdio>
 
 #include "commands.hpp"
 #include "convert.hpp"
 #include "haptic/schema/fields.hpp"
 #include "message_json.hpp"
+#include "say.hpp"
 #include "table.hpp"
 
 namespace haptic::ctl {
@@ -32,52 +32,49 @@ json to_json(const client::DeviceInfo& device) {
 
 void print(const client::ServerInfo& s) {
   const client::LoopStatistics& loop = s.loop;
-  std::printf("hapticd %s (%s), scene \"%s\", up %.0f s, %u sessions\n", s.version.c_str(),
-              s.protocol.c_str(), s.scene.c_str(), std::chrono::duration<double>(s.uptime).count(),
-              s.sessions);
-  std::printf("  %s: %s\n", s.realtime.grade.c_str(), s.realtime.explanation.c_str());
-  std::printf("  loop: %" PRIu64 " ticks, %" PRIu64
-              " skipped, late by %.1f us p50, %.1f us p99, "
-              "%.1f us max; tick %.2f us p50, %.2f us p99\n",
-              loop.ticks, loop.skipped, loop.lateness_p50_us, loop.lateness_p99_us,
-              loop.lateness_max_us, loop.tick_p50_us, loop.tick_p99_us);
+  say("hapticd %s (%s), scene \"%s\", up %.0f s, %u sessions\n", s.version, s.protocol, s.scene,
+      std::chrono::duration<double>(s.uptime).count(), s.sessions);
+  say("  %s: %s\n", s.realtime.grade, s.realtime.explanation);
+  say("  loop: %" PRIu64 " ticks, %" PRIu64
+      " skipped, late by %.1f us p50, %.1f us p99, "
+      "%.1f us max; tick %.2f us p50, %.2f us p99\n",
+      loop.ticks, loop.skipped, loop.lateness_p50_us, loop.lateness_p99_us, loop.lateness_max_us,
+      loop.tick_p50_us, loop.tick_p99_us);
   if (!loop.paced_by.empty()) {
-    std::printf("  paced by %s: %" PRIu64 " ticks by its samples, %" PRIu64 " by the timer\n",
-                loop.paced_by.c_str(), loop.paced_by_sample, loop.ticks - loop.paced_by_sample);
+    say("  paced by %s: %" PRIu64 " ticks by its samples, %" PRIu64 " by the timer\n",
+        loop.paced_by, loop.paced_by_sample, loop.ticks - loop.paced_by_sample);
   }
-  for (const std::string& line : s.insecure) std::printf("  insecure: %s\n", line.c_str());
+  for (const std::string& line : s.insecure) say("  insecure: %s\n", line);
 }
 
 void print(const client::DeviceInfo& d) {
-  std::printf("\n%s: %s (%s)%s\n", d.name.c_str(), d.model.c_str(), d.kind.c_str(),
-              d.moves ? "" : ", moves nothing");
-  std::printf("  %s, faults %s, controller %s, %u observers, %g Hz\n", client::name(d.state),
-              joined(client::fault_names(d.faults)).c_str(),
-              d.controller.empty() ? "none" : d.controller.c_str(), d.observers, d.loop_rate_hz);
-  if (!d.unguarded.empty()) std::printf("  unguarded: no %s\n", joined(d.unguarded).c_str());
+  say("\n%s: %s (%s)%s\n", d.name, d.model, d.kind, d.moves ? "" : ", moves nothing");
+  say("  %s, faults %s, controller %s, %u observers, %g Hz\n", client::name(d.state),
+      joined(client::fault_names(d.faults)),
+      d.controller.empty() ? std::string("none") : d.controller, d.observers, d.loop_rate_hz);
+  if (!d.unguarded.empty()) say("  unguarded: no %s\n", joined(d.unguarded));
   if (d.wants_tracker) {
-    std::printf("  palm by a tracker: %s\n", d.tracker.empty() ? "none" : d.tracker.c_str());
+    say("  palm by a tracker: %s\n", d.tracker.empty() ? std::string("none") : d.tracker);
   }
-  std::printf("  %-12s %-4s %21s  %14s %16s %20s %12s\n", "DoF", "unit", "range",
-              "stiffness <=", "damping <=", "force <= (spec)", "slew <=");
+  say("  %-12s %-4s %21s  %14s %16s %20s %12s\n", "DoF", "unit", "range",
+      "stiffness <=", "damping <=", "force <= (spec)", "slew <=");
   std::size_t a = 0;  // actuated so far
   for (const auto& dof : d.dofs) {
-    std::printf("  %-12s %-4s %9.5f .. %8.5f", dof.name.c_str(), dof.unit.c_str(), dof.lower,
-                dof.upper);
+    say("  %-12s %-4s %9.5f .. %8.5f", dof.name, dof.unit, dof.lower, dof.upper);
     if (dof.actuated && a < d.stiffness_limit.size()) {
       const std::string effort = effort_unit(dof.unit);
-      const char* unit = dof.unit.c_str();
-      std::printf("  %7g %s/%-3s %7g %s s/%-3s %8g (%g) %s %8g %s/s\n", d.stiffness_limit[a],
-                  effort.c_str(), unit, d.damping_limit[a], effort.c_str(), unit, d.force_limit[a],
-                  dof.max_effort, effort.c_str(), d.slew_limit[a], effort.c_str());
+      const std::string& unit = dof.unit;
+      say("  %7g %s/%-3s %7g %s s/%-3s %8g (%g) %s %8g %s/s\n", d.stiffness_limit[a], effort, unit,
+          d.damping_limit[a], effort, unit, d.force_limit[a], dof.max_effort, effort,
+          d.slew_limit[a], effort);
       ++a;
     } else {
-      std::printf("  sensed only\n");
+      say("  sensed only\n");
     }
   }
-  std::printf("  virtual:");
-  for (const auto& c : d.coordinates) std::printf(" %s (%s)", c.name.c_str(), c.unit.c_str());
-  std::printf("\n");
+  say("  virtual:");
+  for (const auto& c : d.coordinates) say(" %s (%s)", c.name, c.unit);
+  say("\n");
 }
 
 }  // namespace
@@ -90,7 +87,7 @@ int info(const Options& options) {
     json all = to_json(facts);
     all["devices"] = json::array();
     for (const auto& device : devices) all["devices"].push_back(to_json(device));
-    std::printf("%s\n", all.dump(2).c_str());
+    say("%s\n", dump(all, 2).c_str());  // ASCII, of several lines
     return 0;
   }
   print(facts);

@@ -1,8 +1,7 @@
 /// hapticctl: looks at a server and its devices, asks for force, stops, clears faults.
 
-#include <cstdio>
-
 #include "command_line.hpp"
+#include "say.hpp"
 
 namespace haptic::ctl {
 namespace {
@@ -43,10 +42,10 @@ int main(int argc, char** argv) {
   } catch (const ClientError& error) {
     const haptic::ctl::ExitStatus status = haptic::ctl::exit_status(error);
     if (status == haptic::ctl::kUnreachable) {
-      std::fprintf(stderr, "hapticctl: no hapticd answers at %s\n", options.server.c_str());
+      haptic::ctl::complain("no hapticd answers at %s", options.server);
     }
-    std::fprintf(stderr, "hapticctl: %s%s%s\n", error.what(),
-                 error.server_reason().empty() ? "" : " - ", error.server_reason().c_str());
+    haptic::ctl::complain("%s%s%s", std::string(error.what()),
+                          error.server_reason().empty() ? "" : " - ", error.server_reason());
     return status;
   }
 }

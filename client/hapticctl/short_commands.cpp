@@ -1,20 +1,62 @@
 // Commands that ask once and print the answer.
-#include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "commands.hpp"
 #include "doctor/measure.hpp"
+#include "front_claims.hpp"
 #include "local_control.hpp"
+#include "say.hpp"
 
 namespace haptic::ctl {
 
 using nlohmann::json;
 
+namespace {
+
+std::string content(const char* file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+/// The answer of this host's control socket; absent: there is none.
+std::optional<FrontClaims> claims_here(const std::string& server) {
+  const auto lines = ask_locally(server, "health");
+  if (!lines) return std::nullopt;
+  FrontClaims claims = front_claims(*lines);
+  const std::string local = content("/proc/net/unix");
+  if (local.empty()) return claims;
+  claims.connections = count_connections(
+      claims.addresses, content("/proc/net/tcp") + content("/proc/net/tcp6"), local);
+  return claims;
+}
+
+}  // namespace
+
+/// On the server's host also what the owner of the devices says, which the front cannot change.
 int health(const Options& options) {
   // A container's health check runs every few seconds; an answer takes a millisecond.
   constexpr std::chrono::milliseconds kPatience{2000};
-  const bool serving = connect(options).healthy(options.device, kPatience);
-  answer(options, json{{"serving", serving}}.dump(), serving ? "serving" : "not serving");
+  const auto claims = claims_here(options.server);
+  bool serving = false;
+  try {
+    serving = connect(options).healthy(options.device, kPatience);
+  } catch (const client::ClientError& error) {
+    const bool silent = error.reason() == client::ErrorReason::kUnreachable ||
+                        error.reason() == client::ErrorReason::kTimeout;
+    if (!silent || !claims) throw;
+  }
+  json all{{"serving", serving}};
+  if (claims) all["front"] = to_json(*claims);
+  if (options.json) {
+    say("%s\n", dump(all));
+  } else {
+    say("%s\n", serving ? "serving" : "not serving");
+    if (claims) say("%s\n", to_text(*claims).c_str());  // printable, and of several lines
+  }
   return serving ? kDone : kFailed;
 }
 
@@ -25,7 +67,10 @@ int estop(const Options& options) {
   const auto here = ask_locally(options.server, "stop" + device + "\n" + options.reason);
   const std::vector<std::string> stopped =
       here ? *here : connect(options).emergency_stop(options.device, options.reason);
-  answer(options, json{{"stopped", stopped}}.dump(), "stopped: " + joined(stopped));
+  answer(options, dump(json{{"stopped", stopped}, {"locally", here.has_value()}}),
+         "stopped " + std::string(here ? "locally" : "over the network") + ": " + joined(stopped) +
+             (here ? "; cleared only on this host"
+                   : "; every client that may control it may clear it"));
   return kDone;
 }
 
@@ -35,14 +80,16 @@ int clear_fault(const Options& options) {
   const std::string device = options.device.empty() ? "" : " " + options.device;
   const auto here = ask_locally(options.server, "clear" + device + "\n" + std::to_string(bits));
   bits = 0;
-  if (here && !here->empty()) bits = static_cast<std::uint32_t>(std::stoul(here->front()));
+  if (here && !here->empty()) {
+    bits = static_cast<std::uint32_t>(std::strtoul(here->front().c_str(), nullptr, 10));
+  }
   if (!here) {
     for (const std::uint32_t fault : connect(options).clear_fault(options.device, options.faults)) {
       bits |= 1U << (fault & 31U);
     }
   }
   const std::vector<std::string> cleared = client::fault_names(bits);
-  answer(options, json{{"cleared", cleared}}.dump(), "cleared: " + joined(cleared));
+  answer(options, dump(json{{"cleared", cleared}}), "cleared: " + joined(cleared));
   return kDone;
 }
 
@@ -50,14 +97,14 @@ int restart_front(const Options& options) {
   constexpr int kPatienceMs = 30'000;
   std::string refusal;
   if (ask_locally(options.server, "restart-front", &refusal, kPatienceMs)) {
-    answer(options, json{{"restarted", true}}.dump(), "a new front serves");
+    answer(options, dump(json{{"restarted", true}}), "a new front serves");
     return kDone;
   }
   if (!refusal.empty()) {
-    std::fprintf(stderr, "hapticctl: %s\n", refusal.c_str());
+    complain("%s", refusal);
     return kRefused;
   }
-  std::fprintf(stderr, "hapticctl: no hapticd on this host serves at %s\n", options.server.c_str());
+  complain("no hapticd on this host serves at %s", options.server);
   return kUnreachable;
 }
 
@@ -68,9 +115,9 @@ int doctor(const Options& options) {
   question.rendered_damping = options.damping;
   constexpr double kSeconds = 10.0;
   const double seconds = options.seconds > 0.0 ? options.seconds : kSeconds;
-  if (!options.json) std::fprintf(stderr, "measuring %g s of a bare 1 kHz loop ...\n", seconds);
+  if (!options.json) complain("measuring %g s of a bare 1 kHz loop ...", seconds);
   const Report report = examine(HostFiles(), ask_host(seconds, question.period_s), question);
-  answer(options, to_json(report, question), to_text(report, question));
+  say("%s\n", (options.json ? to_json(report, question) : to_text(report, question)).c_str());
   return report.grade == "unfit" ? kFailed : kDone;
 }
 

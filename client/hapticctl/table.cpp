@@ -12,6 +12,7 @@
 #include "convert_state.hpp"
 #include "haptic/schema/fields.hpp"
 #include "message_json.hpp"
+#include "say.hpp"
 
 namespace haptic::ctl {
 
@@ -19,13 +20,6 @@ namespace {
 
 namespace pb = google::protobuf;
 using schema::effort_unit;
-
-template <typename... Arguments>
-std::string text(const char* format, Arguments... arguments) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, arguments...);
-  return buffer;
-}
 
 /// Value `index` as "0.0123 m", with five digits: enough for people. A unit that ends the field's
 /// name is not said again.
@@ -113,8 +107,8 @@ std::string derated(const client::DeviceInfo& device, const client::DeviceState&
     const double share = at(s.stiffness_in_effect, actuated++) / s.gain / whole;
     if (!(share < least)) continue;
     least = share;
-    words = text("K %s %.4g -> %.4g %s/%s: %s %.0f ms old", dof.name.c_str(), whole, share * whole,
-                 effort_unit(dof.unit).c_str(), dof.unit.c_str(), kWords[reason],
+    words = text("K %s %.4g -> %.4g %s/%s: %s %.0f ms old", dof.name, whole, share * whole,
+                 effort_unit(dof.unit), dof.unit, kWords[reason],
                  static_cast<double>(s.derating_delay.count()) * 1e-3);
   }
   return words;
@@ -150,14 +144,14 @@ Rows table(const client::DeviceInfo& device, const client::DeviceState& s, doubl
   client::write(s, message);
   const pb::Reflection& reflection = *message.GetReflection();
   const schema::Labels labels = labels_of(device);
-  Rows rows{text("%s  t %.1f s  conflated %llu", device.name.c_str(), seconds,
+  Rows rows{text("%s  t %.1f s  conflated %llu", device.name, seconds,
                  static_cast<unsigned long long>(conflated))};
   add_items(scalars(message), width, rows);
   if (const std::string words = derated(device, s); !words.empty()) rows.push_back("  " + words);
   for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
     const pb::FieldDescriptor& field = *message.GetDescriptor()->field(i);
     if (field.is_repeated() && reflection.FieldSize(message, &field) > 0) {
-      rows.push_back(text("  %-20s", field.name().c_str()));
+      rows.push_back(text("  %-20s", field.name()));
       add_items(labelled(message, field, labels.of(axis_of(field))), width, rows);
     } else if (field.message_type() != nullptr && reflection.HasField(message, &field)) {
       rows.push_back("  " + field.name() + ":");
@@ -169,16 +163,15 @@ Rows table(const client::DeviceInfo& device, const client::DeviceState& s, doubl
 
 std::string line(const client::DeviceInfo& device, const client::DeviceState& s, double seconds) {
   std::string all =
-      text("%9.3f s  %s  %-9s %s  gain %.2f ", seconds, device.name.c_str(), client::name(s.state),
-           age("proxy", s.proxy_seq_used, s.staleness, s.proxy_age).c_str(), s.gain);
+      text("%9.3f s  %s  %-9s %s  gain %.2f ", seconds, device.name, client::name(s.state),
+           age("proxy", s.proxy_seq_used, s.staleness, s.proxy_age), s.gain);
   std::string forces;
   std::size_t actuated = 0;
   for (std::size_t i = 0; i < device.dofs.size(); ++i) {
     const auto& dof = device.dofs[i];
-    all += text(" %s %8.5f %s", dof.name.c_str(), at(s.q, i), dof.unit.c_str());
+    all += text(" %s %8.5f %s", dof.name, at(s.q, i), dof.unit);
     if (!dof.actuated) continue;
-    forces += text("  tau_a %s %7.3f %s", dof.name.c_str(), at(s.tau_a, actuated),
-                   effort_unit(dof.unit).c_str());
+    forces += text("  tau_a %s %7.3f %s", dof.name, at(s.tau_a, actuated), effort_unit(dof.unit));
     if (actuated < s.error_bound.size()) forces += text(" +-%.3f", s.error_bound[actuated]);
     ++actuated;
   }
@@ -217,10 +210,10 @@ std::size_t Screen::width() {
 }
 
 void Screen::show(const Rows& rows) {
-  if (shown_ > 0) std::printf("\x1b[%zuA", shown_);
-  for (const std::string& row : rows) std::printf("%s\x1b[K\n", row.substr(0, width()).c_str());
+  if (shown_ > 0) say("\x1b[%zuA", shown_);
+  for (const std::string& row : rows) say("%s\x1b[K\n", wire::printable(row).substr(0, width()));
   // Fewer rows than before leave some of them below: they are erased.
-  if (rows.size() < shown_) std::printf("\x1b[J");
+  if (rows.size() < shown_) say("\x1b[J");
   std::fflush(stdout);
   shown_ = rows.size();
 }

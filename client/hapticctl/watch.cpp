@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "commands.hpp"
+#include "say.hpp"
 #include "table.hpp"
 
 namespace haptic::ctl {
@@ -44,7 +45,7 @@ class Watched {
   }
   void print() const {
     const std::lock_guard lock(mutex_);
-    if (newest_.seq != 0) std::printf("%s\n", line(device_, newest_, seconds()).c_str());
+    if (newest_.seq != 0) say("%s\n", line(device_, newest_, seconds()));
     std::fflush(stdout);
   }
 
@@ -57,7 +58,7 @@ class Watched {
     // A reader that is slow makes this stream slow, and the server conflates: no line is stale.
     nlohmann::json all = state_json(device_, state);
     all["conflated"] = conflated_.load();
-    std::printf("%s\n", all.dump().c_str());
+    say("%s\n", dump(all));
     std::fflush(stdout);
   }
   [[nodiscard]] double seconds() const {

@@ -9,39 +9,20 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 
+#include "haptic/wire/printable.hpp"
 #include "server/base/thread_setup.hpp"
-#include "server/base/unprintable.hpp"
 
 namespace haptic::server {
 namespace {
 
 std::string as_json(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
-}
-
-/// "\x0a" for each byte that would change how a line looks; everything else, a backslash too, stays
-/// readable as it is.
-std::string as_line(const std::string& text) {
-  std::string line;
-  line.reserve(text.size());
-  for (std::size_t i = 0; i < text.size();) {
-    const Character next = character(text, i);
-    if (next.shows_itself) line.append(text, i, next.bytes);
-    for (std::size_t k = i; !next.shows_itself && k < i + next.bytes; ++k) {
-      char escaped[5];
-      std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned char>(text[k]));
-      line += escaped;
-    }
-    i += next.bytes;
-  }
-  return line;
 }
 
 /// A flag of a line's pattern, by a function that writes its text.
@@ -114,7 +95,7 @@ std::unique_ptr<spdlog::formatter> log_formatter(LogFormat format, bool for_jour
   formatter->add_flag<Flag>('&', syslog_priority);
   formatter->add_flag<Flag>('*', [format](const spdlog::details::log_msg& message) {
     const std::string text(message.payload.data(), message.payload.size());
-    return format == LogFormat::kJson ? as_json(text) : as_line(text);
+    return format == LogFormat::kJson ? as_json(text) : wire::printable(text);
   });
   formatter->set_pattern(for_journal ? "%&" + line : line);
   return formatter;

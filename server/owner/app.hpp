@@ -10,8 +10,9 @@
 /// | board I/O  | port and protocol of a board, one thread each   | Device::close(), 100 ms      |
 /// | telemetry  | reading end of the rings; leases' clock,        | Telemetry::stop(), after a   |
 /// |            | events, states to the front, recorder, log      | last drain                   |
-/// | front link | requests, other samples, fronts' lives, local   | FrontLink::stop(), 1.5 s     |
-/// |            | control socket                                  |                              |
+/// | front link | requests, other samples, fronts' lives          | FrontLink::stop(), 1.5 s     |
+/// | local      | local control socket: stops, clears, health     | after the front link         |
+/// | control    |                                                 |                              |
 ///
 /// All but main block every signal. The front's threads: server/front/server.hpp.
 

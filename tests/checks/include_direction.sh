@@ -71,7 +71,7 @@ forbid $owner -- "grpc|asio|boost/|openssl/|server/front/" \
   "the owner of the devices knows no network"
 report "the owner of the devices knows no network" <<LINES
 $(for room in $owner; do includes "$room"; done | grep ' "haptic/wire/' |
-  grep -vE '/(utf8|ports)\.hpp$')
+  grep -vE '/(control_names|ports|printable|utf8)\.hpp$')
 LINES
 forbid server/front -- "server/owner/" "the front knows the owner by the crossing"
 forbid server/base server/crossing server/front -- "hw/" "only the owner knows devices"

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "say.hpp"
+
 namespace haptic::ctl {
 namespace {
 
@@ -43,10 +45,10 @@ TEST(Announced, HostileBytesStayOneServer) {
 TEST(Announced, WhatIsShownIsPlainAscii) {
   for (int first = 0; first < 256; ++first) {
     const std::string text{static_cast<char>(first), static_cast<char>(0x9B), '\n'};
-    for (const char c : quoted(text)) EXPECT_TRUE(c >= 0x20 && c < 0x7F) << first;
+    for (const char c : dump(text)) EXPECT_TRUE(c >= 0x20 && c < 0x7F) << first;
   }
-  EXPECT_EQ(quoted("S\xc3\xbc"
-                   "d\xe2\x80\xae"),
+  EXPECT_EQ(dump("S\xc3\xbc"
+                 "d\xe2\x80\xae"),
             R"("S\u00fcd\u202e")");
 }
 

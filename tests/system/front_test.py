@@ -9,6 +9,7 @@ The messages of haptic.v1 are on PYTHONPATH.
 
 from __future__ import annotations
 
+import json
 import os
 import pathlib
 import queue
@@ -39,10 +40,9 @@ with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as held:
     held.listen()
     print("held", flush=True)
     while True:
-        caller = held.accept()[0]
-        caller.recv(512)
-        caller.send(b"ok\\nfinger")
+        held.accept()[0].close()
 """
+STOPPED = "stopped locally: finger; cleared only on this host\n"
 ENDED_S = 5.0  # after SIGTERM, whatever happens
 NOTICED_S = 1.5  # a front that hangs is not replaced before
 
@@ -115,10 +115,12 @@ class Hapticd:
                               capture_output=True, text=True, timeout=PATIENCE_S)
         return done.returncode, done.stdout + done.stderr
 
-    def ask(self, name: str, command: str) -> str:
+    def ask(self, command: str) -> str:
+        """By the first socket that it said to have."""
+        place = self.until_said(r"local control socket: ([^,\s]+)")[1]
         with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as control:
             control.settimeout(PATIENCE_S)
-            control.connect("\0hapticd/" + name)
+            control.connect(place.replace("@", "\0"))
             control.send(command.encode())
             return control.recv(4096).decode()
 
@@ -139,14 +141,8 @@ class Fronts(unittest.TestCase):
         self.addCleanup(daemon.process.kill)
         return daemon
 
-    def hostile(self, mode: str) -> tuple[Hapticd, str]:
-        """With its control socket's name, which follows from the address."""
-        name = f"{self.folder}/s".lstrip("/")
-        daemon = Hapticd(self.folder, "--listen", f"unix:/{name}", HAPTICD_FRONT=HOSTILE,
-                         HOSTILE=mode)
-        self.addCleanup(daemon.process.wait)
-        self.addCleanup(daemon.process.kill)
-        return daemon, name
+    def hostile(self, mode: str) -> Hapticd:
+        return self.hapticd(HAPTICD_FRONT=HOSTILE, HOSTILE=mode)
 
     def test_a_killed_front_is_replaced(self) -> None:
         daemon = self.hapticd()
@@ -175,7 +171,7 @@ class Fronts(unittest.TestCase):
         address = daemon.address()
         front = daemon.kill_front(signal.SIGSTOP)
         began = time.monotonic()
-        self.assertEqual(daemon.ctl("estop", address=address), (0, "stopped: finger\n"))
+        self.assertEqual(daemon.ctl("estop", address=address), (0, STOPPED))
         daemon.until_replaced(front)
         self.assertGreater(time.monotonic() - began, NOTICED_S)
         until("served again", lambda: "FAULT" in daemon.ctl("info", address=address)[1])
@@ -278,7 +274,7 @@ class Fronts(unittest.TestCase):
         other = Hapticd(self.folder, "--listen", address.replace("0.0.1", "0.0.2"), log="other")
         self.addCleanup(other.process.wait)
         self.addCleanup(other.process.kill)
-        self.assertEqual(other.ctl("estop"), (0, "stopped: finger\n"))
+        self.assertEqual(other.ctl("estop"), (0, STOPPED))
         self.assertIn("local emergency stop", other.text())
         self.assertNotIn("local emergency stop", daemon.text())
 
@@ -295,12 +291,33 @@ class Fronts(unittest.TestCase):
         assert stranger.stdout is not None
         self.addCleanup(stranger.stdout.close)
         stranger.stdout.readline()
+        alone = subprocess.run([HAPTICCTL, "--server", address, "estop"], capture_output=True,
+                               text=True, timeout=PATIENCE_S)
+        self.assertEqual((alone.returncode, "user 65534" in alone.stderr), (3, True), alone)
         daemon = self.hapticd("--listen", address)
-        daemon.address()
-        status, words = daemon.ctl("estop", address=address)
-        self.assertEqual((status, "belongs to user 65534" in words), (0, True), words)
-        self.assertIn("stopped: finger", words)
-        self.assertNotIn("local emergency stop", daemon.text())
+        daemon.until_said("in use by user 65534")
+        self.assertEqual(daemon.ctl("estop", address=address), (0, STOPPED))
+
+    def test_health_shows_samples_and_sessions(self) -> None:
+        daemon = self.hapticd(scene="finger_soft_grasp")
+        address = daemon.address()
+        client = subprocess.Popen([CLIENT, "--server", address], stdout=subprocess.DEVNULL,
+                                  stderr=subprocess.DEVNULL)
+        self.addCleanup(client.wait)
+        self.addCleanup(client.kill)
+        daemon.until_said("-> ENGAGED")
+
+        def front() -> dict[str, Any]:
+            return json.loads(daemon.ctl("--json", "health", address=address)[1])["front"]
+
+        until("samples", lambda: front()["devices"][0]["samples_accepted_per_s"] > 10)
+        told = front()
+        self.assertEqual((told["process"], told["devices"][0]["sessions"], told["connections"] > 0,
+                          told["plays_a_client"]), (daemon.front(), 1, True, False))
+        daemon.kill_front(signal.SIGSTOP)  # health does not wait for the network's word
+        status, words = daemon.ctl("health", address=address)
+        self.assertEqual((status, "not serving" in words, "1 sessions" in words), (1, True, True),
+                         words)
 
     def test_an_offline_scene_has_no_front(self) -> None:
         daemon = Hapticd(self.folder, scene="fragments/offline")
@@ -308,7 +325,7 @@ class Fronts(unittest.TestCase):
         self.addCleanup(daemon.process.kill)
         daemon.until_said("INIT -> IDLE")
         self.assertEqual(children(daemon.process.pid), {})
-        self.assertEqual(daemon.ctl("estop", address="local:offline"), (0, "stopped: finger\n"))
+        self.assertEqual(daemon.ctl("estop", address="local:offline"), (0, STOPPED))
         self.assertEqual(daemon.ctl("restart-front", address="local:offline")[0], 4)
         self.assertEqual(daemon.stop(), 0, daemon.text())
 
@@ -366,7 +383,7 @@ class Fronts(unittest.TestCase):
 
     def test_a_start_that_hangs_ends(self) -> None:
         for mode in ("silent", "unbound"):
-            daemon, _ = self.hostile(mode)
+            daemon = self.hostile(mode)
             daemon.until_said("real-time grade")
             until("a front", lambda: daemon.front() != 0)
             began = time.monotonic()
@@ -388,34 +405,34 @@ class Fronts(unittest.TestCase):
         self.assertLess(time.monotonic() - began, ENDED_S)
 
     def test_the_owners_pages_stay_the_owners(self) -> None:
-        daemon, name = self.hostile("pages")
+        daemon = self.hostile("pages")
         daemon.until_said("SIGSEGV")  # of the front
         self.assertNotIn("GOT IN", daemon.text())
-        self.assertEqual(daemon.ask(name, "stop"), "ok\nfinger")
+        self.assertEqual(daemon.ask("stop"), "ok\nfinger")
         self.assertEqual(daemon.stop(), 0, daemon.text())
 
     def test_junk_of_a_front_harms_nothing(self) -> None:
-        daemon, name = self.hostile("junk")
+        daemon = self.hostile("junk")
         daemon.until_said("INIT -> IDLE")
         resident = pathlib.Path(f"/proc/{daemon.process.pid}/statm")
         time.sleep(1.0)
         before = int(resident.read_text().split()[1])
         for _ in range(20):
-            self.assertEqual(daemon.ask(name, "stop"), "ok\nfinger")
+            self.assertEqual(daemon.ask("stop"), "ok\nfinger")
             time.sleep(0.1)
         self.assertLess(4096 * (int(resident.read_text().split()[1]) - before), 4 << 20)
         self.assertEqual(daemon.stop(), 0, daemon.text())
 
     def test_a_stop_goes_ahead_of_a_full_queue(self) -> None:
-        daemon, _ = self.hostile("stop")
+        daemon = self.hostile("stop")
         daemon.until_said("ahead of the requests that wait")
         self.assertEqual(daemon.stop(), 0, daemon.text())
 
     def test_a_mute_front_is_replaced(self) -> None:
-        daemon, name = self.hostile("mute")
+        daemon = self.hostile("mute")
         daemon.until_said("no sign of life for 2 s")
         daemon.until_said("front number 2 serves")
-        self.assertEqual(daemon.ask(name, "health").splitlines()[0], "ok")
+        self.assertEqual(daemon.ask("health").splitlines()[0], "ok")
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <nlohmann/json.hpp>
 
 namespace haptic::ctl {
 namespace {
@@ -81,10 +80,6 @@ std::optional<Announced> announced(std::string_view line) {
   }
   return Announced{unescaped(name), unescaped(host), server + ":" + std::string(port),
                    strings(txt)};
-}
-
-std::string quoted(const std::string& text) {
-  return nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace haptic::ctl

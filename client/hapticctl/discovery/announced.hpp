@@ -23,7 +23,4 @@ struct Announced {
 /// IP address and a port from 1 to 65535.
 [[nodiscard]] std::optional<Announced> announced(std::string_view line);
 
-/// In quotes, as JSON: ASCII only, and no byte of it moves a terminal's cursor.
-[[nodiscard]] std::string quoted(const std::string& text);
-
 }  // namespace haptic::ctl

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "server/base/unprintable.hpp"
+#include "haptic/wire/printable.hpp"
 
 namespace haptic::server {
 
@@ -28,7 +28,7 @@ std::string sanitised(const std::string& text, std::size_t longest) {
   const std::string_view kept(text.data(), size);
   std::string clean;
   for (std::size_t i = 0; i < size;) {
-    const Character next = character(kept, i);
+    const wire::Character next = wire::character(kept, i);
     clean += next.shows_itself ? kept.substr(i, next.bytes) : "?";
     i += next.bytes;
   }

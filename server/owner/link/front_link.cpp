@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
+#include "haptic/wire/control_names.hpp"
 #include "server/base/steady_now.hpp"
 #include "server/base/thread_setup.hpp"
 #include "server/crossing/link_messages.hpp"
@@ -36,12 +37,9 @@ FrontLink::FrontLink(Owner& owner, Config config)
     : owner_(owner),
       config_(std::move(config)),
       front_config_(config_.hand_over ? to_memory(config_.hand_over->config()) : SharedMemory()),
-      publisher_(std::make_shared<Publisher>(owner,
-                                             [this](const Answer& answer) {
-                                               local_.on_answer(answer);
-                                               static_cast<void>(eventfd_write(wakes_.get(), 1));
-                                             })),
-      local_(owner, [this](auto kind, std::uint64_t reply_to) { of_front(kind, reply_to); }),
+      publisher_(std::make_shared<Publisher>(
+          owner, [this](const Answer& answer) { local_.on_answer(answer); })),
+      local_(owner, [this](std::uint64_t reply_to) { restart_asked(reply_to); }),
       wakes_(event_descriptor()),
       intake_(owner, *publisher_),
       requests_(owner, *publisher_) {
@@ -54,16 +52,26 @@ FrontLink::~FrontLink() {
 
 void FrontLink::start() {
   publish_facts();
-  local_.listen(config_.launcher == nullptr ? config_.name : addresses().front());
+  listen_locally();
   thread_ = std::thread([this] { run(); });
   if (config_.launcher != nullptr) first_.get_future().get();
 }
 
+void FrontLink::listen_locally() {
+  LocalCommands::Config local{{control_folder(), {}}, addresses(), config_.realtime};
+  std::vector<std::string>& names = local.places.names;
+  if (!config_.hand_over) names.push_back(config_.name);
+  for (const std::string& address : addresses()) {
+    for (const std::string& name : wire::control_names(address)) names.push_back(name);
+  }
+  local_.listen(std::move(local));
+}
+
 void FrontLink::stop() {
-  if (!thread_.joinable()) return;
   stopping_.store(true);
   static_cast<void>(eventfd_write(wakes_.get(), 1));
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
+  local_.stop();
 }
 
 void FrontLink::restart() {
@@ -102,7 +110,6 @@ void FrontLink::wait_for_news() {
     if ((*place)->link) wait_.push_back({(*place)->link.get(), POLLIN, 0});
     wait_.push_back({(*place)->wakes_owner.get(), POLLIN, 0});
   }
-  local_.add_to(wait_);
   poll(wait_.data(), wait_.size(), kLookEveryMs);
 }
 
@@ -118,7 +125,7 @@ void FrontLink::turn() {
     requests_.take_stops(front, now_);
   }
   empty(wakes_);
-  local_.turn(now_);
+  if (const std::uint64_t reply_to = restart_asked_.exchange(0)) restart_for(reply_to);
   if (config_.launcher != nullptr) {
     notices();
     look_after();
@@ -126,11 +133,13 @@ void FrontLink::turn() {
   publish_facts();
 }
 
-void FrontLink::of_front(ControlSocket::Command::Kind kind, std::uint64_t reply_to) {
-  if (kind == ControlSocket::Command::Kind::kHealth) {
-    const bool serves = current_ && current_->stage == Stage::kServing;
-    return local_.answer(reply_to, serves ? "ok\na front serves" : "ok\nno front serves");
-  }
+/// Any thread.
+void FrontLink::restart_asked(std::uint64_t reply_to) {
+  local_.answer(restart_asked_.exchange(reply_to), "refused: another restart was asked for");
+  static_cast<void>(eventfd_write(wakes_.get(), 1));
+}
+
+void FrontLink::restart_for(std::uint64_t reply_to) {
   if (config_.launcher == nullptr) {
     return local_.answer(reply_to, "refused: the scene is offline: it has no front");
   }
@@ -156,6 +165,7 @@ void FrontLink::notices() {
     if (notice->kind == Launcher::Notice::Kind::kStarted) {
       if (!next_ || next_->pid != 0) continue;
       next_->pid = notice->pid;
+      facts_due_ = now_;
       if (next_->stage == Stage::kKilled) config_.launcher->kill(notice->pid);
       continue;
     }
@@ -256,6 +266,7 @@ void FrontLink::clear_away(Place& place) {
   publisher_->counted(counted_);
   choose_samples();
   place.reset();
+  facts_due_ = now_;
   if (was_current) {
     owner_.front_gone();
     publisher_->forget_answers();

@@ -2,7 +2,7 @@
 /// The owner's side of the front: starts fronts, passes on what they ask and replaces one that ends
 /// or hangs. A front is trusted no more than the most privileged client: what it sends is copied
 /// first and made harmless then (from_front.hpp), a bounded number at a time. The local control
-/// socket is served by the same thread, and needs no front.
+/// socket has a thread of its own (LocalCommands), and needs no front.
 
 #include <atomic>
 #include <functional>
@@ -81,7 +81,9 @@ class FrontLink final : public FrontRunner {
   void serves_now(FrontProcess& front);
   void publish_facts();
   // front_link.cpp: the life of fronts.
-  void of_front(ControlSocket::Command::Kind kind, std::uint64_t reply_to);
+  void listen_locally();
+  void restart_asked(std::uint64_t reply_to);
+  void restart_for(std::uint64_t reply_to);
   void start_front();
   void notices();
   void look_after();
@@ -96,7 +98,7 @@ class FrontLink final : public FrontRunner {
   const SharedMemory front_config_;  ///< FrontConfig as bytes; a front can only read it
   std::shared_ptr<Publisher> publisher_;
   LocalCommands local_;
-  Descriptor wakes_;  ///< the link's thread, for local answers, restart() and stop()
+  Descriptor wakes_;  ///< the link's thread, for restarts and stop()
   SampleIntake intake_;
   FrontRequests requests_;
 
@@ -119,6 +121,7 @@ class FrontLink final : public FrontRunner {
   std::promise<void> first_{};
   bool first_told_{false};
   std::atomic<bool> stopping_{false}, restart_wanted_{false};
+  std::atomic<std::uint64_t> restart_asked_{0};  ///< by a local user, who waits for the answer
   std::thread thread_{};
 };
 

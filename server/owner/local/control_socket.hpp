@@ -1,53 +1,49 @@
 #pragma once
-/// The local control socket: stops the devices without the network. A UNIX socket of type
-/// SOCK_SEQPACKET in the abstract namespace, so that every user of this host reaches it and no file
-/// is left behind; a connection carries one command and one answer, both plain text.
+/// The local control socket: stops the devices without the network. A connection carries one
+/// command and one answer, both plain text (control_command.hpp).
 ///
-///   stop [DEVICE] [newline REASON]    every local user          "ok", a line per device
-///   clear [DEVICE] [newline FAULTS]   hapticd's user and root   "ok", the bits that were cleared
-///   health                            every local user          "ok" and whether a front serves
-///   restart-front                     hapticd's user and root   "ok" when the new one serves
-///
-/// No device: all of them, or for clear the only one. FAULTS: bits, as a decimal number; none: all.
-/// Anything else is answered with "refused: " and why.
+/// Root and the user that runs hapticd are trusted. Every other user of this host may ask too, and
+/// may ask without end: so trusted ones come first, have places of their own and, by a folder, a
+/// socket of their own (control_listeners.hpp). The others share what is left: a bounded number of
+/// places, few of one user, and only so many turns a second.
 
 #include <poll.h>
+#include <sys/types.h>
 
-#include <cstdint>
 #include <functional>
-#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "server/crossing/shared_memory.hpp"
+#include "haptic/core/time.hpp"
+#include "server/owner/local/control_command.hpp"
+#include "server/owner/local/control_listeners.hpp"
 
 namespace haptic::server {
 
 class ControlSocket {
  public:
-  static constexpr std::size_t kLongestCommand = 384;
-  static constexpr std::size_t kConnections = 16;
+  static constexpr std::size_t kConnections = 16;  ///< of trusted users; as many of all others
+  static constexpr std::size_t kPerUser = 4;       ///< of those, of one user, also in one turn
+  static constexpr std::size_t kAcceptedPerTurn = 64;
+  /// Others are served in so many turns of each round.
+  static constexpr core::Duration kRound{std::chrono::milliseconds(5)};
+  static constexpr unsigned kTurnsPerRound = 4;
 
-  struct Command {
-    enum class Kind : std::uint8_t { kStop, kClear, kHealth, kRestartFront };
-    Kind kind{Kind::kStop};
-    std::string device{};       ///< empty: all
-    std::string reason{};       ///< kStop
-    std::uint32_t faults{0};    ///< kClear; 0: all
-    std::uint64_t reply_to{0};  ///< for answer()
-    unsigned user{0};
-  };
-  using Handler = std::function<void(const Command&)>;
+  using Handler = std::function<void(const ControlCommand&)>;
+  /// The process may ask nothing, whoever its user is.
+  using Barred = std::function<bool(pid_t process)>;
 
-  /// `name`: control_name(). Throws core::TransportError, also if another program has the name.
-  ControlSocket(const std::string& name, Handler handler);
+  /// Throws as ControlListeners.
+  ControlSocket(const ControlPlaces& places, Handler handler, Barred barred = {});
   ControlSocket(const ControlSocket&) = delete;
   ControlSocket& operator=(const ControlSocket&) = delete;
 
-  /// Adds what to poll for, before turn().
-  void add_to(std::vector<pollfd>& wait) const;
-  /// Accepts, reads and calls the handler; a bounded number at a time.
-  void turn();
+  /// Adds what to poll for, before turn(); the answer: for at most how long.
+  [[nodiscard]] core::Duration add_to(std::vector<pollfd>& wait, core::TimePoint now) const;
+  /// Accepts and reads, a bounded number at a time, and calls the handler: first with stops, and
+  /// first with those of trusted users.
+  void turn(core::TimePoint now);
   /// Sends the answer and closes. A connection that is gone is ignored.
   void answer(std::uint64_t reply_to, std::string_view text);
 
@@ -56,26 +52,25 @@ class ControlSocket {
     Descriptor socket{};
     std::uint64_t number{0};
     unsigned user{0};
+    bool trusted{false};
     bool asked{false};
   };
+  /// True: somebody came.
+  bool accept_from(const ControlListeners::Listener& listener);
   void accept_one(Descriptor socket);
+  [[nodiscard]] bool has_too_many(unsigned user);
+  void make_room(bool trusted, unsigned user);
   void read(Connection& connection);
 
-  Handler handler_;
-  Descriptor listener_{};
-  std::vector<Connection> connections_;  ///< the oldest first
+  const Handler handler_;
+  const Barred barred_;
+  const ControlListeners listeners_;
+  std::vector<Connection> connections_{};                     ///< the oldest first
+  std::vector<ControlCommand> commands_{};                    ///< of this turn
+  std::vector<std::pair<unsigned, std::size_t>> accepted_{};  ///< of this turn, by user
+  core::TimePoint round_{}, others_at_{};  ///< began then; others are served from then on
+  unsigned turns_{0};                      ///< of the round in which others were served
   std::uint64_t last_number_{0};
 };
-
-/// The name for a daemon that serves at `address`, or whose scene is `address`: "hapticd/" and
-/// that, or the path of a UNIX socket. Two daemons may have one port, at two addresses of a host.
-[[nodiscard]] std::string control_name(const std::string& address);
-
-/// The text as a command; a sentence for people if it is none.
-struct ParsedCommand {
-  ControlSocket::Command command{};
-  std::string wrong{};  ///< empty: `command` is set
-};
-[[nodiscard]] ParsedCommand parse_command(std::string_view text);
 
 }  // namespace haptic::server

@@ -2,34 +2,46 @@
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <cstddef>
+#include <filesystem>
 
 #include "haptic/core/error.hpp"
+#include "server/base/line_rate.hpp"
 
 namespace {
 
-using haptic::server::control_name;
+using haptic::core::TimePoint;
+using haptic::server::ControlCommand;
+using haptic::server::ControlPlaces;
 using haptic::server::ControlSocket;
 using haptic::server::Descriptor;
 using haptic::server::parse_command;
-using Kind = ControlSocket::Command::Kind;
+using Kind = ControlCommand::Kind;
 
-std::string name() {
-  return "hapticd/test-" + std::to_string(getpid());
+constexpr TimePoint kStart{std::chrono::seconds(100)};
+constexpr unsigned kStranger = 65534;
+
+/// The same in a child.
+const std::string& name() {
+  static const std::string made = "test-" + std::to_string(getpid());
+  return made;
 }
 
 /// A local user's program.
 class Caller {
  public:
-  Caller() : socket_(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0)) {
+  explicit Caller(const std::string& at = std::string(1, '\0') + "hapticd/" + name())
+      : socket_(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0)) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
-    name().copy(address.sun_path + 1, sizeof address.sun_path - 1);
-    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name().size());
+    at.copy(address.sun_path, sizeof address.sun_path - 1);
+    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + at.size());
     connected_ = connect(socket_.get(), reinterpret_cast<sockaddr*>(&address), size) == 0;
   }
   [[nodiscard]] bool connected() const { return connected_; }
@@ -48,10 +60,32 @@ class Caller {
   bool connected_{false};
 };
 
-struct Served {
-  std::vector<ControlSocket::Command> commands{};
-  ControlSocket socket{name(), [this](const auto& command) { commands.push_back(command); }};
+struct Folder {
+  Folder() { std::filesystem::create_directory(path); }
+  ~Folder() { std::filesystem::remove_all(path); }
+  const std::string path{testing::TempDir() + name()};
 };
+
+struct Served {
+  explicit Served(const std::string& folder = {}, ControlSocket::Barred barred = {})
+      : socket(
+            {folder, {name()}}, [this](const auto& c) { commands.push_back(c); },
+            std::move(barred)) {}
+  std::vector<ControlCommand> commands{};
+  ControlSocket socket;
+};
+
+/// Runs `act` in a process of another user; its exit status.
+int as_stranger(const auto& act) {
+  const pid_t child = fork();
+  if (child == 0) {
+    const bool other = setgid(kStranger) == 0 && setuid(kStranger) == 0;
+    _exit(other && act() ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
 
 TEST(ControlCommand, NamesWhatIsAllowed) {
   EXPECT_EQ(parse_command("stop").command.kind, Kind::kStop);
@@ -71,22 +105,16 @@ TEST(ControlCommand, SecondLineSaysMore) {
   EXPECT_EQ(parse_command("health\nnow").wrong.rfind("refused", 0), 0U);
 }
 
-TEST(ControlName, FollowsTheFirstAddress) {
-  EXPECT_EQ(control_name("127.0.0.1:29470"), "hapticd/127.0.0.1:29470");
-  EXPECT_EQ(control_name("127.0.0.2:29470"), "hapticd/127.0.0.2:29470");
-  EXPECT_EQ(control_name("offline"), "hapticd/offline");
-  EXPECT_EQ(control_name("unix:/run/hapticd/s"), "hapticd/run/hapticd/s");
-}
-
 TEST(ControlSocket, ACommandGetsItsAnswer) {
   Served served;
   Caller caller;
   ASSERT_TRUE(caller.connected());
   ASSERT_TRUE(caller.say("stop finger"));
-  served.socket.turn();
+  served.socket.turn(kStart);
   ASSERT_EQ(served.commands.size(), 1U);
   EXPECT_EQ(served.commands[0].device, "finger");
   EXPECT_EQ(served.commands[0].user, geteuid());
+  EXPECT_TRUE(served.commands[0].trusted);
   EXPECT_EQ(caller.answer(), "");
   served.socket.answer(served.commands[0].reply_to, "ok");
   EXPECT_EQ(caller.answer(), "ok");
@@ -95,14 +123,26 @@ TEST(ControlSocket, ACommandGetsItsAnswer) {
 TEST(ControlSocket, IdleCallersKeepNobodyOut) {
   Served served;
   std::vector<Caller> idle(5 * ControlSocket::kConnections);
-  served.socket.turn();
+  served.socket.turn(kStart);
   Caller caller;
   ASSERT_TRUE(caller.say("stop"));
-  for (int i = 0; i < 10 && served.commands.empty(); ++i) served.socket.turn();
+  for (int i = 0; i < 10 && served.commands.empty(); ++i) served.socket.turn(kStart);
   ASSERT_EQ(served.commands.size(), 1U);
   std::vector<pollfd> wait;
-  served.socket.add_to(wait);
+  static_cast<void>(served.socket.add_to(wait, kStart));
   EXPECT_LE(wait.size(), ControlSocket::kConnections + 1);
+}
+
+TEST(ControlSocket, StopsGoFirst) {
+  Served served;
+  std::vector<Caller> callers(4);
+  callers[0].say("clear finger");
+  callers[1].say("restart-front");
+  callers[2].say("health");
+  callers[3].say("stop");
+  served.socket.turn(kStart);
+  ASSERT_EQ(served.commands.size(), 4U);
+  EXPECT_EQ(served.commands[0].kind, Kind::kStop);
 }
 
 TEST(ControlSocket, JunkIsRefused) {
@@ -110,15 +150,124 @@ TEST(ControlSocket, JunkIsRefused) {
   Caller junk, endless;
   ASSERT_TRUE(junk.say("\x01\xff\x00 stop"));
   ASSERT_TRUE(endless.say(std::string(100'000, 's')));
-  served.socket.turn();
+  served.socket.turn(kStart);
   EXPECT_TRUE(served.commands.empty());
   EXPECT_EQ(junk.answer().rfind("refused", 0), 0U);
   EXPECT_EQ(endless.answer(), "refused: too long");
 }
 
-TEST(ControlSocket, ASecondDaemonIsRefused) {
+TEST(ControlSocket, ABarredProcessIsRefused) {
+  Served served({}, [](pid_t process) { return process == getpid(); });
+  for (const char* command : {"stop", "clear", "restart-front", "health"}) {
+    Caller front;
+    front.say(command);
+    served.socket.turn(kStart);
+    EXPECT_FALSE(front.say("stop")) << "it was closed";
+  }
+  EXPECT_TRUE(served.commands.empty());
+}
+
+TEST(ControlSocket, StrangersStopButClearNothing) {
+  if (geteuid() != 0) GTEST_SKIP() << "another user's process needs root";
   Served served;
-  EXPECT_THROW(ControlSocket(name(), {}), haptic::core::TransportError);
+  as_stranger([] {
+    Caller().say("stop");
+    Caller().say("clear finger");
+    return Caller().say("restart-front");
+  });
+  served.socket.turn(kStart);
+  ASSERT_EQ(served.commands.size(), 1U);
+  EXPECT_EQ(served.commands[0].kind, Kind::kStop);
+  EXPECT_EQ(served.commands[0].user, kStranger);
+  EXPECT_FALSE(served.commands[0].trusted);
+}
+
+TEST(ControlSocket, OneStrangerGetsFewPlaces) {
+  if (geteuid() != 0) GTEST_SKIP() << "another user's process needs root";
+  Served served;
+  as_stranger([] {
+    for (int i = 0; i < 40; ++i) Caller().say("stop");
+    return true;
+  });
+  TimePoint now = kStart;
+  served.socket.turn(now);
+  EXPECT_LE(served.commands.size(), ControlSocket::kPerUser);
+  // The queue is empty, and what comes next finds its place, in a later turn at the latest.
+  as_stranger([] { return Caller().say("stop finger"); });
+  served.commands.clear();
+  served.socket.turn(now += ControlSocket::kRound);
+  ASSERT_EQ(served.commands.size(), 1U);
+}
+
+TEST(ControlSocket, AFloodLeavesTurnsToTrusted) {
+  if (geteuid() != 0) GTEST_SKIP() << "another user's process needs root";
+  Served served;
+  std::size_t strange = 0;
+  for (int i = 0; i < 20; ++i) {
+    as_stranger([] { return Caller().say("stop"); });
+    served.socket.turn(kStart);
+    strange = served.commands.size();
+  }
+  EXPECT_LE(strange, ControlSocket::kTurnsPerRound) << "in one round";
+  std::vector<pollfd> wait;
+  EXPECT_LE(served.socket.add_to(wait, kStart), ControlSocket::kRound);
+  EXPECT_TRUE(wait.empty()) << "what is not served must not wake the thread";
+  served.commands.clear();
+  served.socket.turn(kStart + ControlSocket::kRound);
+  EXPECT_FALSE(served.commands.empty()) << "in the next round they are served";
+}
+
+TEST(ControlListeners, NoFloodReachesTheOwnSocket) {
+  if (geteuid() != 0) GTEST_SKIP() << "another user's process needs root";
+  const Folder folder;
+  const std::string path = folder.path + "/" + name();
+  Served served(folder.path);
+  EXPECT_NE(as_stranger([&] { return Caller(path).connected(); }), 0);
+  EXPECT_EQ(as_stranger([&] { return Caller(path + ".all").connected(); }), 0);
+  Caller own(path);
+  ASSERT_TRUE(own.say("stop"));
+  served.socket.turn(kStart);
+  ASSERT_EQ(served.commands.size(), 1U);
+  EXPECT_TRUE(served.commands[0].trusted);
+}
+
+TEST(ControlListeners, AStaleFileIsReplaced) {
+  const Folder folder;
+  const std::string path = folder.path + "/" + name();
+  const Descriptor left(::socket(AF_UNIX, SOCK_SEQPACKET, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(bind(left.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  {
+    const Served served(folder.path);
+    EXPECT_TRUE(Caller(path).connected());
+  }
+  EXPECT_FALSE(std::filesystem::exists(path)) << "an end leaves no file";
+}
+
+TEST(ControlListeners, ATakenNameIsNotNeeded) {
+  const Folder folder;
+  const Served holder;  // any program of this host may have the abstract name
+  EXPECT_THROW(Served(), haptic::core::TransportError);
+  Served served(folder.path);
+  Caller caller(folder.path + "/" + name());
+  ASSERT_TRUE(caller.say("stop"));
+  served.socket.turn(kStart);
+  EXPECT_EQ(served.commands.size(), 1U);
+  EXPECT_THROW(Served(folder.path), haptic::core::TransportError) << "a second daemon";
+}
+
+TEST(LineRate, TellsWhatItLeftOut) {
+  haptic::server::LineRate lines;
+  TimePoint now = kStart;
+  for (unsigned i = 0; i < haptic::server::LineRate::kLinesPerSecond; ++i) {
+    EXPECT_EQ(lines.next(now), std::optional<std::uint64_t>(0));
+  }
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(lines.next(now), std::nullopt);
+  now += std::chrono::seconds(1);
+  EXPECT_EQ(lines.next(now), std::optional<std::uint64_t>(1000));
+  EXPECT_EQ(lines.next(now), std::optional<std::uint64_t>(0));
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 #pragma once
-/// Characters that change how a line looks, in text of a client or a device.
+/// Text from outside as one line that is safe on a terminal: of a client or a device in the
+/// server's log, of a server in hapticctl.
 
+#include <string>
 #include <string_view>
 
-namespace haptic::server {
+namespace haptic::wire {
 
 struct Character {
   std::size_t bytes{1};
@@ -29,6 +31,10 @@ struct Character {
   for (std::size_t i = 1; i < size; ++i) {
     if (!within(byte(i), 0x80, 0xBF)) return {1, false};
   }
+  // A form that is longer than need be, a surrogate, a number that is too large.
+  const bool odd = (byte(0) == 0xE0 && byte(1) < 0xA0) || (byte(0) == 0xED && byte(1) > 0x9F) ||
+                   (byte(0) == 0xF0 && byte(1) < 0x90) || (byte(0) == 0xF4 && byte(1) > 0x8F);
+  if (odd) return {1, false};
   if (size == 1 || (byte(0) == 0xC2 && byte(1) < 0xA0)) return {size, false};
   const bool letter_mark = byte(0) == 0xD8 && byte(1) == 0x9C;
   const bool marks =
@@ -37,4 +43,23 @@ struct Character {
   return {size, !letter_mark && !(byte(0) == 0xE2 && (marks || isolates))};
 }
 
-}  // namespace haptic::server
+/// "\x0a" for each byte that does not show itself; everything else, a backslash too, stays readable
+/// as it is. Done twice it is the same.
+[[nodiscard]] inline std::string printable(std::string_view text) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string line;
+  line.reserve(text.size());
+  for (std::size_t i = 0; i < text.size();) {
+    const Character next = character(text, i);
+    if (next.shows_itself) line.append(text, i, next.bytes);
+    for (std::size_t k = i; !next.shows_itself && k < i + next.bytes; ++k) {
+      const auto byte = static_cast<unsigned char>(text[k]);
+      line.append("\\x") += kDigits[byte / 16U];
+      line += kDigits[byte % 16U];
+    }
+    i += next.bytes;
+  }
+  return line;
+}
+
+}  // namespace haptic::wire

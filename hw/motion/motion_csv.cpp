@@ -1,5 +1,7 @@
 #include "hw/motion/motion_csv.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -7,9 +9,9 @@
 #include <fstream>
 #include <sstream>
 #include <string_view>
-#include <system_error>
 
 #include "haptic/core/error.hpp"
+#include "hw/plain_file.hpp"
 
 namespace haptic::hw {
 namespace {
@@ -133,17 +135,14 @@ void add_row(const Place& place, const Selection& selection,
 
 /// Opens the file and reads its header into `line`.
 std::ifstream open_with_header(const Place& place, std::string& line) {
-  std::error_code error;
-  const bool regular = std::filesystem::is_regular_file(place.file, error);
-  const std::uintmax_t size = regular ? std::filesystem::file_size(place.file, error) : 0;
-  std::ifstream in(place.file, std::ios::binary);
-  if (!in || !regular || error) {
-    place.fail("cannot be read; must be a CSV file with a header and a column time_s");
+  std::string why;
+  const int opened = open_plain_file(place.file, kLargestFile, why);
+  if (opened < 0) {
+    place.fail(why + "; must be a CSV file with a header and a column time_s, at most 256 MB");
   }
-  if (size > kLargestFile) {
-    place.fail("has " + std::to_string(size) + " bytes; must have at most " +
-               std::to_string(kLargestFile) + " (256 MB)");
-  }
+  // The very file that was looked at, whatever its name stands for now.
+  std::ifstream in("/proc/self/fd/" + std::to_string(opened), std::ios::binary);
+  close(opened);
   if (!std::getline(in, line)) place.fail("is empty; must have a header and at least 2 rows");
   return in;
 }

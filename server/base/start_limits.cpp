@@ -47,6 +47,26 @@ std::string lack_of_threads(std::size_t wanted) {
          std::to_string(wanted);
 }
 
+void check_memory_limits() {
+  struct Least {
+    __rlimit_resource which;
+    rlim_t bytes;
+    const char* words;
+  };
+  constexpr rlim_t kKilobyte = 1024, kMegabyte = 1024 * kKilobyte;
+  // The front's threads have 1 MB of stack, and the owner's need less; its memory is that of a
+  // scene with many devices.
+  for (const Least& least : {Least{RLIMIT_STACK, 512 * kKilobyte, "stack (ulimit -s)"},
+                             Least{RLIMIT_DATA, 128 * kMegabyte, "data (ulimit -d)"},
+                             Least{RLIMIT_AS, 256 * kMegabyte, "address space (ulimit -v)"}}) {
+    rlimit limit{};
+    if (getrlimit(least.which, &limit) != 0 || limit.rlim_cur >= least.bytes) continue;
+    throw std::runtime_error("may use " + std::to_string(limit.rlim_cur / kKilobyte) + " KB of " +
+                             least.words + ": needs at least " +
+                             std::to_string(least.bytes / kKilobyte) + " KB");
+  }
+}
+
 void check_start_limits() {
   rlimit descriptors{};
   if (getrlimit(RLIMIT_NOFILE, &descriptors) == 0 && descriptors.rlim_cur < kLeastDescriptors) {

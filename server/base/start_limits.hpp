@@ -12,5 +12,8 @@ namespace haptic::server {
 
 /// Throws std::runtime_error that names the limit, its value and what is needed.
 void check_start_limits();
+/// The same for stacks and memory, before anything else runs: a program ends by a signal without
+/// them.
+void check_memory_limits();
 
 }  // namespace haptic::server

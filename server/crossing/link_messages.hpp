@@ -25,7 +25,7 @@ struct FrontMessage {
   enum class Kind : std::uint8_t { kHello, kReady, kServing, kCannotServe, kRequest };
   Kind kind{Kind::kHello};
   std::uint64_t layout{0};  ///< kHello: layout_hash()
-  Text<512> text{};         ///< kCannotServe: why
+  Text<512> text{};         ///< kCannotServe: why; kReady: warnings, a line each
   Request request{};        ///< kRequest
 };
 

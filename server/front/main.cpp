@@ -47,7 +47,9 @@ void serve(OwnerLink& owner) {
                      {[&owner] { return owner.facts(); },
                       [&owner](std::size_t device) { return owner.totals(device); },
                       [&owner](const FrontCounters& own) { return owner.count(own); }});
-  owner.say({.kind = FrontMessage::Kind::kReady});
+  std::string warnings;
+  for (const std::string& one : server.warnings()) warnings += (warnings.empty() ? "" : "\n") + one;
+  owner.say({.kind = FrontMessage::Kind::kReady, .text = warnings});
   if (!owner.wait_for_go()) return;
   owner.begin();
   server.start();

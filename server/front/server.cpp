@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <ctime>
 #include <mutex>
 #include <span>
 
@@ -12,7 +13,6 @@
 #include "server/front/grpc/rpc_server.hpp"
 #include "server/front/metrics/metrics.hpp"
 #include "server/front/net/protection.hpp"
-#include "server/front/net/tls_files.hpp"
 #include "server/front/web/web_server.hpp"
 
 namespace haptic::server {
@@ -22,6 +22,9 @@ using Use = FrontConfig::Use;
 
 /// With Calls::kPatience it is the 500 ms of proto/README.md, "Every limit".
 constexpr std::chrono::milliseconds kLookEvery{100};
+
+/// The log tells of a certificate that ends.
+constexpr std::time_t kTellEvery = 24 * 3600;
 
 bool serves(const FrontConfig& config, Use use) {
   return std::any_of(config.addresses.begin(), config.addresses.end(),
@@ -41,6 +44,7 @@ FrontServer::FrontServer(FrontStart start, OwnerPort& owner, FrontSources source
   std::optional<TlsFiles> tls;
   if (config().tls) {
     tls = read_tls(*config().tls, files);
+    ends_ = tls->ends;
     files = files.subspan(tls->client_ca.empty() ? 2 : 3);
   }
   if (config().web) {
@@ -105,7 +109,12 @@ void FrontServer::look_after(const std::stop_token& over) {
   std::mutex mutex;
   std::unique_lock lock(mutex);
   std::condition_variable_any wakes;
+  std::time_t told = 0;
   do {
+    if (const std::time_t now = std::time(nullptr); now - told >= kTellEvery || now < told) {
+      told = now;
+      for (const std::string& sentence : warnings()) spdlog::warn(sentence);
+    }
     rpc_->report_health();
     context_->end_overdue(context_->limits.clock({}));
     context_->give_up(steady_now());
@@ -149,6 +158,10 @@ void FrontServer::say_what_is_served() const {
   for (const std::string& sentence : weaknesses(config())) {
     spdlog::log(level, "not protected: {}", sentence);
   }
+}
+
+std::vector<std::string> FrontServer::warnings() const {
+  return ending(ends_, std::time(nullptr));
 }
 
 std::pair<std::size_t, std::uint64_t> FrontServer::connections() const {

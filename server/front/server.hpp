@@ -25,6 +25,7 @@
 
 #include "server/crossing/front_config.hpp"
 #include "server/crossing/shared_layout.hpp"
+#include "server/front/net/tls_files.hpp"
 #include "server/front/service/service_context.hpp"
 #include "server/front/web/web_content.hpp"
 
@@ -61,6 +62,8 @@ class FrontServer {
   [[nodiscard]] const FrontConfig& config() const noexcept { return context_->config; }
   /// The addresses of gRPC and of browsers, with a word on what protects each, for people.
   [[nodiscard]] std::vector<std::string> served() const;
+  /// Sentences on certificates that end soon.
+  [[nodiscard]] std::vector<std::string> warnings() const;
   /// Datagrams dropped since the start, by reason ("TAG", ...); empty without a UDP path.
   [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> dropped_datagrams() const;
   /// Connections that are open, and how many were cut since the start because of their bounds.
@@ -80,6 +83,7 @@ class FrontServer {
   const std::shared_ptr<ServiceContext> context_;  ///< the owner may be calling it still
   std::vector<Descriptor> sockets_;                ///< until start()
   WebContent content_{};
+  std::vector<CertificateEnd> ends_{};
   std::unique_ptr<RpcServer> rpc_;
   std::unique_ptr<WebServer> web_{};  ///< null: nothing is served over HTTP
   std::jthread looks_{};

@@ -20,6 +20,7 @@
 #include <thread>
 
 #include "haptic/core/error.hpp"
+#include "haptic/wire/printable.hpp"
 #include "hw/device_config.hpp"
 #include "server/base/log.hpp"
 #include "server/base/start_limits.hpp"
@@ -202,7 +203,10 @@ int run(const CommandLine& line) {
     if (line.check_scene) {
       check_files(scene);
       for (const std::string& warning : scene.warnings) std::cerr << "warning: " << warning << "\n";
-      haptic::server::check_front_files(scene);
+      std::istringstream told(haptic::server::check_front_files(scene));
+      for (std::string one; std::getline(told, one);) {
+        std::cerr << "warning: " << haptic::wire::printable(one) << "\n";
+      }
       std::cout << line.scene << ": ok\n";
     }
     if (line.print_scene || line.check_scene) return 0;
@@ -258,8 +262,9 @@ std::optional<int> parse(int argc, char** argv, CommandLine& line) {
 int main(int argc, char** argv) {
   hold_standard_streams();
   CommandLine line;
-  if (const auto status = parse(argc, argv, line)) return *status;
   try {
+    haptic::server::check_memory_limits();
+    if (const auto status = parse(argc, argv, line)) return *status;
     haptic::server::check_start_limits();
   } catch (const std::exception& error) {
     return refuse(error.what(), 1);

@@ -64,6 +64,7 @@ says 2 'must be "test", "primary" or "operator"' "$hapticd" --scene "$scene" --c
 says 1 'must be that of the certificate' "$hapticd" --scene "$scene" --check-scene --set \
   "server.tls={certificate: \"$folder/localhost.pem\" key: \"$folder/ca.key\"}"
 says 0 'ok' "$hapticd" --scene "$scene" --check-scene --set "$tls"
+says 0 ' UTC, in 1 days: give a new one' "$hapticd" --scene "$scene" --check-scene --set "$tls"
 
 "$hapticd" --scene "$scene" --listen 127.0.0.1:0 --listen "unix:$folder/s" --set "$tls" \
   --set 'server.udp_listen="127.0.0.1:0"' --set loop.late_bucket_full=1000000 \

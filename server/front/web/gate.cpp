@@ -1,5 +1,6 @@
 #include "server/front/web/gate.hpp"
 
+#include <arpa/inet.h>
 #include <openssl/crypto.h>
 
 #include <algorithm>
@@ -63,6 +64,19 @@ Refusal denied(const char* reason, const std::string& message) {
   return {Refusal::Code::kPermission, reason, message};
 }
 
+Refusal unknown_host() {
+  return denied("HOST",
+                "this server does not go by the name of the request's Host: give it in "
+                "the scene, server.web.name");
+}
+
+/// "192.0.2.7", "[2001:db8::7]"
+bool is_literal(std::string name) {
+  in6_addr parsed{};
+  if (!name.starts_with('[')) return inet_pton(AF_INET, name.c_str(), &parsed) == 1;
+  return inet_pton(AF_INET6, name.substr(1, name.size() - 2).c_str(), &parsed) == 1;
+}
+
 }  // namespace
 
 Gate::Gate(const WebConfig& config, std::span<const Descriptor> token_files,
@@ -83,14 +97,19 @@ bool Gate::listed(std::string_view origin) const {
   return std::find(origins_.begin(), origins_.end(), origin) != origins_.end();
 }
 
+std::optional<Refusal> Gate::strange_scrape(std::string_view host) const {
+  const std::string name = lower(name_of(host));
+  const bool known = std::find(names_.begin(), names_.end(), name) != names_.end();
+  if (known || is_literal(name) || (!name.empty() && name.find('.') == std::string::npos)) {
+    return std::nullopt;
+  }
+  return unknown_host();
+}
+
 std::optional<Refusal> Gate::stranger(const Visitor& visitor) const {
   if (!visitor.unix_socket) {
     const std::string name = lower(name_of(visitor.host));
-    if (std::find(names_.begin(), names_.end(), name) == names_.end()) {
-      return denied("HOST",
-                    "this server does not go by the name of the request's Host: give it in "
-                    "the scene, server.web.name");
-    }
+    if (std::find(names_.begin(), names_.end(), name) == names_.end()) return unknown_host();
   }
   if (visitor.origin.empty() || listed(visitor.origin)) return std::nullopt;
   const std::string own = (visitor.encrypted ? "https://" : "http://") + std::string(visitor.host);

@@ -42,6 +42,10 @@ class Gate {
 
   /// Refused: the Host is not served, or the Origin is a stranger.
   [[nodiscard]] std::optional<Refusal> stranger(const Visitor& visitor) const;
+  /// The same for a scrape of metrics_listen. Refused: a Host that a web page elsewhere can have
+  /// pointed here (DNS rebinding). It is none of the names, no literal address, and has a dot, as
+  /// every name of the public DNS does.
+  [[nodiscard]] std::optional<Refusal> strange_scrape(std::string_view host) const;
   /// True if the scene lists the origin of another site.
   [[nodiscard]] bool listed(std::string_view origin) const;
   /// Rights of a visitor who is no stranger; absent in the Outcome's value: what its certificate

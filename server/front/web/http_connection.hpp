@@ -70,7 +70,7 @@ class HttpConnection final : public WebConnection,
     peer_.peer.account->call(bytes);
     if (peer_.use == FrontConfig::Use::kMetrics) return answer_scrape();
     const Visitor visitor = this->visitor();
-    if (const auto stranger = shared_.gate.stranger(visitor)) return refuse(*stranger);
+    if (const auto strange = shared_.gate.stranger(visitor)) return refuse(*strange);
     if (websocket::is_upgrade(head())) return upgrade(visitor);
     if (is(http::verb::get) || is(http::verb::head)) return answer_get();
     if (is(http::verb::post)) return answer_post(visitor);
@@ -90,6 +90,7 @@ class HttpConnection final : public WebConnection,
   }
 
   void answer_scrape() {
+    if (const auto no = shared_.gate.strange_scrape(field(http::field::host))) return refuse(*no);
     if (path() != "/metrics") {
       return refuse_head(http::status::not_found, "only /metrics is served\n");
     }

@@ -39,7 +39,7 @@ const FrontConfig::Address* first_address(const Addresses& addresses) {
 std::vector<std::string> names_of(const WebConfig& config, const Addresses& addresses) {
   std::vector<std::string> names = config.names;
   for (const FrontConfig::Address& address : addresses) {
-    if (address.use != Use::kWeb || !unix_path(address.name).empty()) continue;
+    if (address.use == Use::kGrpc || !unix_path(address.name).empty()) continue;
     const std::string host = host_of(address.name);
     if (!is_any(host)) names.push_back(host);
     if (!is_any(host) && !is_loopback(host)) continue;

@@ -92,10 +92,10 @@ FrontConfig front_config(const App& app) {
   return config;
 }
 
-void check_front_files(const Scene& scene) {
+std::string check_front_files(const Scene& scene) {
   FrontConfig config = front_config(scene.server, false);
   config.log_level = "error";
-  if (!config.tls && (!config.web || config.web->tokens.empty())) return;
+  if (!config.tls && (!config.web || config.web->tokens.empty())) return {};
   const std::filesystem::path program = front_program();
   const FrontStart start{config, {}, open_files(config, page_folder(program))};
   const SharedMemory bytes = to_memory(config);
@@ -110,7 +110,7 @@ void check_front_files(const Scene& scene) {
   }
   front.link = Descriptor();  // it leaves
   waitpid(pid, nullptr, 0);
-  if (said.kind == FrontMessage::Kind::kReady) return;
+  if (said.kind == FrontMessage::Kind::kReady) return said.text.str();
   const bool refused = said.kind == FrontMessage::Kind::kCannotServe;
   throw core::TransportError(refused ? said.text.str() : program.string() + " is of another build");
 }

@@ -24,8 +24,8 @@ namespace haptic::server {
 /// The configuration of the fronts of `app`, whose devices are open.
 [[nodiscard]] FrontConfig front_config(const App& app);
 
-/// Has a confined front check the files that a scene names for it: those of TLS and of tokens.
-/// Throws core::TransportError that says what is wrong.
-void check_front_files(const Scene& scene);
+/// Has a confined front check the files that a scene names for it: those of TLS and of tokens. The
+/// answer: its warnings, a line each. Throws core::TransportError that says what is wrong.
+[[nodiscard]] std::string check_front_files(const Scene& scene);
 
 }  // namespace haptic::server

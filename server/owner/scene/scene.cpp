@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <set>
 
 #include "haptic/core/error.hpp"
 #include "haptic/wire/utf8.hpp"
+#include "hw/plain_file.hpp"
 #include "server/base/figures.hpp"
 #include "server/crossing/shared_layout.hpp"
 #include "server/owner/scene/parts.hpp"
@@ -201,18 +199,11 @@ fs::path record_file(const Scene& scene, std::size_t device) {
 }
 
 Scene load_scene(const fs::path& file, const std::vector<std::string>& overrides) {
-  std::error_code error;
-  const bool regular = fs::is_regular_file(file, error);
-  std::ifstream stream(file);
-  if (!regular || !stream) {
-    const std::string why = fs::is_directory(file, error) ? "is a folder"
-                            : errno != 0                  ? std::strerror(errno)
-                                                          : "is no file";
+  std::string why;
+  const std::string text = hw::read_plain_file(file, kLargestScene, why);
+  if (!why.empty()) {
     throw core::SceneError(file.string() + ": " + why + "; must be a scene that can be read");
   }
-  std::string text(kLargestScene + 1, '\0');  // a byte more than parse_scene() takes
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
   return parse_scene(text, file.string(), file.parent_path(), overrides);
 }
 

@@ -1,10 +1,9 @@
 // Where a device's motion comes from: hardware, simulations, recordings.
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include "haptic/v1/calibration.pb.h"
 #include "hw/board/board_device.hpp"
+#include "hw/plain_file.hpp"
 #include "hw/replay/replay.hpp"
 #include "hw/replay/tracked_orientation.hpp"
 #include "hw/simulated/hand.hpp"
@@ -136,12 +135,11 @@ std::optional<hw::board::Calibration> read_calibration(const Part<v1::Board>& pa
   const auto wrong = [&](const std::string& why) {
     part.wrong("calibration_file", quoted(file), why);
   };
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
+  std::string unlike;
+  const std::string text = hw::read_plain_file(file, kLargestScene, unlike);
   v1::Calibration message;
-  if (const std::string found = parse_fragment(text.str(), message); !found.empty()) {
-    wrong("must be a file of hapticctl calibrate: " + found);
-  }
+  if (unlike.empty()) unlike = parse_fragment(text, message);
+  if (!unlike.empty()) wrong("must be a file of hapticctl calibrate: " + unlike);
   if (part.problems().count() > before || kinematics == nullptr) return std::nullopt;
 
   hw::board::Calibration calibration;

@@ -15,7 +15,7 @@ namespace {
   if (resource == RLIMIT_NPROC && getuid() == 0 && setuid(60'124) != 0) _exit(2);
   setrlimit(static_cast<__rlimit_resource>(resource), &few);
   try {
-    check_start_limits();
+    resource == RLIMIT_STACK ? check_memory_limits() : check_start_limits();
     std::cerr << "enough\n";
   } catch (const std::exception& error) {
     std::cerr << error.what() << "\n";
@@ -30,6 +30,12 @@ TEST(StartLimits, NamesTheLackOfDescriptors) {
   EXPECT_EXIT(say_under(RLIMIT_NOFILE, 64), testing::ExitedWithCode(0), "enough");
 }
 #endif
+
+TEST(StartLimits, NamesTheLackOfMemory) {
+  EXPECT_EXIT(say_under(RLIMIT_STACK, 64 << 10), testing::ExitedWithCode(0),
+              "may use 64 KB of stack .ulimit -s.: needs at least 512 KB");
+  EXPECT_EXIT(say_under(RLIMIT_STACK, 1 << 20), testing::ExitedWithCode(0), "enough");
+}
 
 TEST(StartLimits, NamesTheLackOfThreads) {
   EXPECT_EXIT(say_under(RLIMIT_NPROC, 1), testing::ExitedWithCode(0),

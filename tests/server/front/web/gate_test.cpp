@@ -53,6 +53,20 @@ class GateTest : public testing::Test {
   WebConfig config_{};
 };
 
+TEST_F(GateTest, NoPageElsewhereScrapes) {
+  const Gate gate = this->gate();
+  for (const char* host : {"127.0.0.1:29472", "[::1]:29472", "192.0.2.7:29472", "lab.example:1",
+                           "LOCALHOST:29472", "left:29472"}) {
+    EXPECT_FALSE(gate.strange_scrape(host)) << host;
+  }
+  for (const char* host : {"", ":29472", "rebound.example:29472", "127.0.0.1.rebound.example",
+                           "left.", "[rebound.example]", "["}) {
+    const auto refused = gate.strange_scrape(host);
+    ASSERT_TRUE(refused) << host;
+    EXPECT_EQ(refused->reason, "HOST") << host;
+  }
+}
+
 TEST_F(GateTest, ServesItsNamesOnly) {
   const Gate gate = this->gate();
   for (const char* host : {"127.0.0.1:29473", "LOCALHOST", "lab.example:1"}) {

@@ -172,7 +172,8 @@ TEST(Scene, AnUnreadableFileIsNamed) {
   const auto says = [](const std::filesystem::path& file) {
     return message_of<core::SceneError>([&] { return server::load_scene(file); });
   };
-  EXPECT_NE(says("no/such.textproto").find("no/such.textproto: No such file"), std::string::npos)
+  EXPECT_NE(says("no/such.textproto").find("such.textproto: cannot be read: No such"),
+            std::string::npos)
       << says("no/such.textproto");
   EXPECT_NE(says(kScenes).find("is a folder"), std::string::npos) << says(kScenes);
 }

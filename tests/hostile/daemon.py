@@ -224,12 +224,14 @@ STOP = Way(0.010, 0.010, 0.99)  # from connect to answer of the local control so
 
 
 def local_stop(daemon, device="spare"):
-    """Stops a device as a user of this host does, by the local control socket: seconds from
-    connect to answer. Raises OSError if it was not stopped."""
+    """Stops a device as root does on this host, by the local control socket: seconds from connect
+    to answer. Raises OSError if it was not stopped."""
+    name = f"hapticd/127.0.0.1:{daemon.port}"
+    path = f"/run/{name}"  # of a hapticd of root
     began = time.monotonic()
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as control_socket:
         control_socket.settimeout(2.0)
-        control_socket.connect(f"\0hapticd/127.0.0.1:{daemon.port}")
+        control_socket.connect(path if os.path.exists(path) else f"\0{name}")
         control_socket.send(f"stop {device}\nrow".encode())
         words = control_socket.recv(512)
     seconds = time.monotonic() - began

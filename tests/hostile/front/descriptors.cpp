@@ -186,10 +186,10 @@ void sockets(Inside& in) {
   pause_until_over(in);
 }
 
-/// Watches the link by as many epolls and copies of it as there may be: whoever wakes its end up,
-/// and that is the owner, walks them all.
+/// Watches what the owner gave, and copies of the link, by as many epolls as there may be: whoever
+/// wakes the link's end up, and that is the owner, walks them all.
 void epolls(Inside& in) {
-  std::vector<int> copies;
+  std::vector<int> copies = in.given;
   for (int copy = 0; copies.size() < 1500 && (copy = dup(kLink)) >= 0;) copies.push_back(copy);
   std::size_t watches = 0;
   for (int watcher = 0; in.goes_on() && (watcher = epoll_create1(0)) >= 0;) {

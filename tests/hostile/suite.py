@@ -130,7 +130,8 @@ def attack(row, folder):
         probe.end()
         m.seconds = ended - began
         m.owner, m.front, m.front_limit = probe.owner, probe.front, probe.front_limit
-        m.stops, m.unanswered, m.punctual = probe.stops, probe.unanswered, probe.punctual
+        m.stops, m.unanswered = probe.stops, probe.unanswered
+        m.punctual = probe.punctual and (row.user is None or m.realtime)
         m.wrong, m.notes, m.sent = answer["wrong"], answer["notes"], answer["sent"]
         if daemon.process.poll() is not None:
             m.died = f"hapticd died, status {daemon.process.returncode}"

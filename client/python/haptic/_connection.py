@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from ._facts import Device, ServerInfo
-from ._library import ClientError, Handle, ask, call, ffi, lib, new, text
+from ._library import ClientError, Handle, ask, call, chars, ffi, lib, new, text
 from ._messages import DeviceState
 from ._ports import DEFAULT_SERVER
 from ._session import Session
@@ -22,13 +22,13 @@ class Connection(Handle):
     def __init__(self, address: str = DEFAULT_SERVER, *, tls: Tls | None = None) -> None:
         """Without `tls` hapticd takes only programs on its own host."""
         options, made = new("haptic_connect_options"), ffi.new("haptic_connection **")
-        kept = [ffi.new("char[]", address.encode())]
+        kept = [ffi.new("char[]", chars(address, "address"))]
         options.address = kept[0]
         if tls is not None:
             options.tls = 1
             for name in ("ca_file", "certificate_file", "key_file", "server_name"):
                 if getattr(tls, name) != "":
-                    kept.append(ffi.new("char[]", str(getattr(tls, name)).encode()))
+                    kept.append(ffi.new("char[]", chars(str(getattr(tls, name)), name)))
                     setattr(options, name, kept[-1])
         call(lib.haptic_connect, options, made)
         super().__init__(made[0], lib.haptic_disconnect)
@@ -41,7 +41,7 @@ class Connection(Handle):
     def healthy(self, device: str = "") -> bool:
         """Whether the device, or every one, is open and the 1 kHz loop is on time."""
         answer = ffi.new("int32_t *")
-        ask(lib.haptic_health, self._c, device.encode(), answer)
+        ask(lib.haptic_health, self._c, chars(device, "device"), answer)
         return bool(answer[0] == 1)
 
     def devices(self) -> list[Device]:
@@ -71,15 +71,18 @@ class Connection(Handle):
         how many) of `blocks`; none: all coordinates are one. The ends are ages at which a sample
         stops being fresh, its force begins to fade, and is zero: each can shorten the scene's
         limit; 0: it is the scene's. `timeout`: s, of each call that waits for the server."""
+        if nominal_rate_hz == 0:  # C takes it for its default
+            raise ValueError("nominal_rate_hz: 0, must be 1 to 2000")
         options, made = new("haptic_session_options"), ffi.new("haptic_session **")
-        kept = ffi.new("char[]", device.encode()), ffi.new("char[]", client_name.encode())
+        kept = (ffi.new("char[]", chars(device, "device")),
+                ffi.new("char[]", chars(client_name, "client_name")))
         options.device, options.client_name = kept
         options.observer, options.tracker = observer, tracker
         options.priority, options.carriers = priority, carriers
         options.nominal_rate_hz = nominal_rate_hz
         options.state_rate_hz = nominal_rate_hz if state_rate_hz is None else state_rate_hz
         options.reconnect, options.re_engage = reconnect, re_engage
-        options.derive_planes, options.timeout_ms = derive_planes, round(timeout * 1e3)
+        options.derive_planes, options.timeout_ms = derive_planes, max(1, round(timeout * 1e3))
         pairs = ffi.new("haptic_block[]", [tuple(map(int, block)) for block in blocks])
         options.blocks, options.block_count = pairs, len(pairs)
         options.fresh_end_ns, options.hold_end_ns, options.fade_end_ns = (
@@ -105,14 +108,15 @@ class Connection(Handle):
         """Stops `device`, or all devices if it is empty; needs no session. Returns the devices that
         are in FAULT now."""
         names = ffi.new("char[]", _MOST_NAMES)
-        ask(lib.haptic_emergency_stop, self._c, device.encode(), reason.encode(), names,
-            _MOST_NAMES)
+        ask(lib.haptic_emergency_stop, self._c, chars(device, "device"),
+            reason.replace("\0", " ").encode(errors="replace"), names, _MOST_NAMES)
         return text(names).splitlines()
 
     def clear_fault(self, device: str = "", faults: Iterable[int] = ()) -> list[int]:
         """Clears faults by number; none: all that are active. Returns what was cleared. Raises
         FAULT_PERSISTS if a cause persists."""
-        cleared = ffi.new("uint32_t *")
-        ask(lib.haptic_clear_fault, self._c, device.encode(),
-            sum(1 << int(fault) for fault in faults), cleared)
+        cleared, bits = ffi.new("uint32_t *"), 0
+        for fault in faults:
+            bits |= 1 << int(fault)
+        ask(lib.haptic_clear_fault, self._c, chars(device, "device"), bits, cleared)
         return [bit for bit in range(32) if cleared[0] >> bit & 1 == 1]

@@ -57,8 +57,9 @@ def point_on_joints(joints: Iterable[JointAxis], point: Vector,
     """Coordinates: the joints of a serial chain, rad or m, from the base on, at most 8; `point` is
     on the last one's link. dp/dx_j = a_j x (p - o_j) and d2p/dx_j dx_k = a_j x dp/dx_k for j <= k;
     a prismatic joint k has dp/dx_k = a_k, and d2p/dx_j dx_k = 0 for a prismatic j."""
-    chain = ffi.new("haptic_joint[]", [(floats(joint.origin), floats(joint.axis), joint.prismatic)
-                                       for joint in joints])
+    chain = ffi.new("haptic_joint[]", [
+        (floats(joint.origin, 3, "origin"), floats(joint.axis, 3, "axis"), joint.prismatic)
+        for joint in joints])
     return _made(lib.haptic_point_on_joints, chain, len(chain), doubles(point, 3, "point"),
                  first_coordinate)
 
@@ -126,10 +127,14 @@ class Contact(Told):
                              f"{lib.HAPTIC_MAX_POINT_COORDINATES}; second: has {second} vectors, "
                              f"must have 0 or {n * (n + 1) // 2}")
         point.first_coordinate, point.count = self.point.first_coordinate, n
-        point.has_second, point.position = second > 0, floats(self.point.position)
-        point.jacobian[0:n] = list(map(floats, self.point.jacobian))
-        point.second[0:second] = list(map(floats, self.point.second))
-        c.normal, c.curvature = floats(self.normal), floats(self.curvature)
+        point.has_second = second > 0
+        point.position = floats(self.point.position, 3, "point.position")
+        point.jacobian[0:n] = [floats(each, 3, "point.jacobian") for each in self.point.jacobian]
+        point.second[0:second] = [floats(each, 3, "point.second") for each in self.point.second]
+        if self.stiffness == 0.0:  # C takes it for rigid
+            raise ValueError("stiffness: 0, must be > 0")
+        c.normal = floats(self.normal, 3, "normal")
+        c.curvature = floats(self.curvature, 6, "curvature")
         c.gap, c.stiffness = self.gap, self.stiffness
         self.tell(c)
 

@@ -49,9 +49,12 @@ class ClientError(Exception):
     CLOSED, INVALID_ARGUMENT, NOT_READY, PERMISSION_DENIED, NO_SUCH_DEVICE or PROTOCOL."""
 
     def __init__(self, reason: str, message: str) -> None:
-        super().__init__(f"{message} ({reason})")
+        super().__init__(reason, message)  # so that it can be pickled
         self.reason = reason
         self.message = message
+
+    def __str__(self) -> str:
+        return f"{self.message} ({self.reason})"
 
 
 # Values and structs.
@@ -64,17 +67,25 @@ def new(struct: str) -> Any:
     return made
 
 
-def floats(values: Iterable[float]) -> tuple[float, ...]:
-    """Of any sequence of numbers, arrays of numpy too."""
-    return tuple(map(float, values))
+def floats(values: Iterable[float], count: int | None = None, name: str = "") -> tuple[float, ...]:
+    """Of any sequence of numbers, arrays of numpy too. Raises ValueError if there are not
+    `count`."""
+    given = tuple(map(float, values))
+    if count is not None and len(given) != count:
+        raise ValueError(f"{name}: has {len(given)} values, must have {count}")
+    return given
 
 
 def doubles(values: Iterable[float], count: int | None = None, name: str = "") -> Any:
-    """The same as an array of C. Raises ValueError if there are not `count`."""
-    given = floats(values)
-    if count is not None and len(given) != count:
-        raise ValueError(f"{name}: has {len(given)} values, must have {count}")
-    return ffi.new("double[]", given)
+    """The same as an array of C."""
+    return ffi.new("double[]", floats(values, count, name))
+
+
+def chars(value: str, name: str) -> bytes:
+    """Text for C, which would end at a character 0. Raises ValueError if there is one."""
+    if "\0" in value:
+        raise ValueError(f"{name}: {value!r}, must be text without a character 0")
+    return value.encode()
 
 
 def lists(array: Any, count: int) -> tuple[Any, ...]:
@@ -92,7 +103,8 @@ def put(array: Any, values: tuple[float, ...], name: str) -> int:
 
 
 def text(array: Any) -> str:
-    return str(ffi.string(array).decode())
+    """Replaces what is no UTF-8, which another server may send."""
+    return str(ffi.string(array).decode(errors="replace"))
 
 
 def name_of(names: dict[int, str], value: int) -> str:
@@ -143,12 +155,15 @@ def ask(function: Callable[..., int], *arguments: Any,
         call(function, *arguments)
         return
     lock, done = threading.Lock(), threading.Event()
-    failed: ClientError | None = None
+    failed: BaseException | None = None
     left = False
 
     def work() -> None:
         nonlocal failed
-        failed = refusal(function, *arguments)
+        try:
+            failed = refusal(function, *arguments)
+        except BaseException as error:  # an argument that C cannot hold: the caller's to hear
+            failed = error
         with lock:
             done.set()
             if left:

@@ -37,6 +37,8 @@ class Session(Handle):
         """Sends where the proxy is, computed from the last state that wait_for_state() or `state`
         gave. Raises if the session has ended, or is an observer's or a tracker's."""
         count = len(self._device.coordinates)
+        if proxy.mode not in _MODES:
+            raise ValueError(f"mode: {proxy.mode!r}, must be one of " + ", ".join(_MODES))
         sample, x = new("haptic_proxy"), doubles(proxy.position)
         sample.mode, sample.valid_for_us = _MODES[proxy.mode], round(proxy.valid_for_s * 1e6)
         sample.x, sample.count = x, len(x)
@@ -54,8 +56,8 @@ class Session(Handle):
         """Sends the pose of a tracker. Raises if the session has ended, or is no tracker's.
         statistics() counts the poses that the server cannot use."""
         sample = new("haptic_pose")
-        sample.position = floats(pose.position)
-        sample.orientation = floats(pose.orientation)
+        sample.position = floats(pose.position, 3, "position")
+        sample.orientation = floats(pose.orientation, 4, "orientation")
         sample.valid_for_us = round(pose.valid_for_s * 1e6)
         call(lib.haptic_publish_pose, self._c, sample)
 

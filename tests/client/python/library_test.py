@@ -138,12 +138,20 @@ class Arrays(unittest.TestCase):
         coordinates = [haptic.Coordinate(name, "m", "linear") for name in "abc"]
         self.assertEqual(len(haptic.derive_planes(coordinates, x, up, [Array(0, 3)])), 1)
 
-    def test_too_many_values_are_named(self) -> None:
+    def test_wrong_numbers_of_values_are_named(self) -> None:
+        x = (0.0, 0.0, 0.0)
+        point, soft = haptic.point_itself(x), {"gap": 0.1, "stiffness": 400.0}
         for call, words in (
                 (lambda: haptic.Plane(Array(1.0), 0.0, curvature=Array(*range(37))).fill(
                     haptic._library.new("haptic_plane")), "curvature: has 37 values, must have"),
                 (lambda: haptic.point_on_pose(Array(*range(7)), Array(1.0)),
-                 "offset: has 1 values, must have 3")):
+                 "offset: has 1 values, must have 3"),
+                (lambda: haptic.contact_at(x, haptic.Contact(point, (1, 0), **soft), 1.0),
+                 "normal: has 2 values, must have 3"),
+                (lambda: haptic.contact_at(x, haptic.Contact(point, (1, 0, 0), 0.1, 0.0), 1.0),
+                 "stiffness: 0, must be > 0"),
+                (lambda: haptic.point_on_joints([haptic.JointAxis(x, (0, 1))], x),
+                 "axis: has 2 values, must have 3")):
             with self.assertRaisesRegex(ValueError, words):
                 call()
 

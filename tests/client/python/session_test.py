@@ -1,6 +1,7 @@
 """The client against a running hapticd."""
 
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -99,6 +100,16 @@ class Force(OneServer):
             self.connection.session(client_name="second", nominal_rate_hz=60)
         self.assertEqual(refused.exception.reason, "LEASE_HELD")
         self.assertIn("test", str(refused.exception))
+        self.assertEqual(str(pickle.loads(pickle.dumps(refused.exception))),
+                         str(refused.exception))
+
+    def test_what_c_cannot_hold_is_refused(self) -> None:
+        for call, kind in ((lambda: self.connection.clear_fault("finger", [32]), OverflowError),
+                           (lambda: self.connection.healthy("finger\0x"), ValueError),
+                           (lambda: self.connection.session(client_name="a",
+                                                            nominal_rate_hz=0), ValueError)):
+            with self.assertRaises(kind):
+                call()
 
     def test_a_wrong_sample_is_named(self) -> None:
         session = self.open()
@@ -165,7 +176,7 @@ class Force(OneServer):
 
     def test_an_emergency_stop_needs_no_session(self) -> None:
         self.assertEqual(self.connection.emergency_stop(), ["finger"])
-        self.assertEqual(self.connection.clear_fault(), [7])
+        self.assertEqual(self.connection.clear_fault("finger", [7, 7]), [7])
 
 
 class Session(OneServer):

@@ -28,12 +28,12 @@ void refuse_in_a_child() {
 }
 
 Handles<haptic_connection, client::Connection>& connections() {
-  static auto& handles = *new Handles<haptic_connection, client::Connection>;
+  static auto& handles = *new Handles<haptic_connection, client::Connection>(0);
   return handles;
 }
 
 Handles<haptic_session, Session>& sessions() {
-  static auto& handles = *new Handles<haptic_session, Session>;
+  static auto& handles = *new Handles<haptic_session, Session>(8);
   // A program may end with a session open: its threads stop before protobuf is taken down.
   static const int at_exit = std::atexit([] {
     guarded(nullptr, [] {

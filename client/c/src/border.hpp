@@ -54,9 +54,11 @@ class Session {
 template <typename Handle, typename Object>
 class Handles {
  public:
+  /// Tables that begin at different numbers below 16 have no number in common.
+  explicit Handles(std::uintptr_t first) : next_(first) {}
   Handle* add(std::shared_ptr<Object> object) {
     const std::lock_guard lock(mutex_);
-    next_ += 16;  // never 0, and aligned as a pointer would be
+    next_ += 16;  // never 0
     objects_.emplace(next_, std::move(object));
     return reinterpret_cast<Handle*>(next_);
   }
@@ -91,7 +93,7 @@ class Handles {
 
   std::mutex mutex_{};
   std::unordered_map<std::uintptr_t, std::shared_ptr<Object>> objects_{};
-  std::uintptr_t next_{0};
+  std::uintptr_t next_;
 };
 
 /// Never destroyed: at exit() gRPC's own statics may be gone before these.

@@ -45,9 +45,12 @@ haptic_point to_point(const client::PointMap& point) {
 }
 
 client::Contact to_contact(const haptic_contact& contact) {
-  client::Contact to{.point = to_point(read(&contact.point, "contact->point")),
-                     .normal = to_vector(contact.normal),
-                     .gap = contact.gap};
+  if (contact.point.size != sizeof contact.point) {  // it cannot grow within the contact
+    refuse("contact->point->size = " + std::to_string(contact.point.size) +
+           ", must be sizeof contact->point (" + std::to_string(sizeof contact.point) + ")");
+  }
+  client::Contact to{
+      .point = to_point(contact.point), .normal = to_vector(contact.normal), .gap = contact.gap};
   read_fields(contact, to);
   std::copy_n(contact.curvature, to.curvature.size(), to.curvature.begin());
   if (contact.stiffness != 0.0) to.stiffness = contact.stiffness;

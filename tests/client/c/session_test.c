@@ -97,7 +97,11 @@ static void test_wrong_arguments(haptic_connection* connection, haptic_session* 
   REFUSED(haptic_publish_pose(session, &(haptic_pose){.size = sizeof(haptic_pose)}, &error),
           "only a session with `tracker`");
   REFUSED(haptic_server(connection, NULL, &error), "info is NULL");
+  haptic_contact contact = {.size = sizeof contact, .point = {.size = 4 * sizeof contact.point}};
+  haptic_plane plane = {.size = sizeof plane};
+  REFUSED(haptic_contact_at(x, 2, &contact, 1.0, &plane, &error), "contact->point->size");
   REFUSED(haptic_health(connection, NULL, NULL, &error), "healthy is NULL");
+  CHECK((void*)connection != (void*)session);
   CHECK(haptic_publish_held((haptic_session*)connection, x, 2, NULL) == HAPTIC_ERROR_CLOSED);
   CHECK(haptic_newest_state((haptic_session*)x, NULL, NULL) == HAPTIC_ERROR_CLOSED);
 }

@@ -6,7 +6,6 @@
 
 #include <fstream>
 #include <future>
-#include <iterator>
 
 #include "call.hpp"
 #include "convert.hpp"
@@ -51,9 +50,12 @@ class Connection::Impl {
     const std::string scheme = "unix:";
     const bool socket = address.rfind(scheme, 0) == 0 && address.size() > scheme.size();
     const std::size_t colon = address.rfind(':');
-    const bool port = colon != std::string::npos && colon > 0 && colon + 1 < address.size() &&
-                      address.find_first_not_of("0123456789", colon + 1) == std::string::npos;
-    if (socket || port) return;
+    const std::string port = colon == std::string::npos ? "" : address.substr(colon + 1);
+    // gRPC takes port 65536 for 0, and so on.
+    const bool valid = colon > 0 && !port.empty() && port.size() <= 5 &&
+                       port.find_first_not_of("0123456789") == std::string::npos &&
+                       std::stoi(port) <= 65535;
+    if (socket || valid) return;
     throw ClientError(ErrorReason::kInvalidArgument,
                       "server address '" + address + "': must be host:port or unix:/path");
   }
@@ -66,14 +68,18 @@ class Connection::Impl {
 namespace {
 constexpr std::chrono::milliseconds kAnswer{5000};
 constexpr std::size_t kLongestReason = 200;
+constexpr std::size_t kLargestFile = std::size_t{1} << 20U;
 
 std::string read_file(const char* option, const std::string& name) {
   if (name.empty()) return {};
   std::ifstream file(name, std::ios::binary);
-  std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (file && !text.empty()) return text;
+  std::string text(kLargestFile + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (!text.empty() && text.size() <= kLargestFile) return text;
   throw ClientError(ErrorReason::kInvalidArgument,
-                    std::string(option) + " = '" + name + "': must be a PEM file that can be read");
+                    std::string(option) + " = '" + name +
+                        "': must be a PEM file of at most 1 MB that can be read");
 }
 
 std::shared_ptr<grpc::ChannelCredentials> credentials(const TlsOptions& tls) {

@@ -83,7 +83,7 @@ says 3 'no hapticd answers' "$hapticctl" --server "$address" info
 says 3 'no hapticd answers' "$hapticctl" --server "$address" --ca ca.pem --server-name localhost \
   info
 says 2 '--key' "$hapticctl" --cert surgeon.pem info
-says 2 'must be a PEM file that can be read' "$hapticctl" --server "$address" --ca none.pem info
+says 2 'must be a PEM file of at most 1 MB' "$hapticctl" --server "$address" --ca none.pem info
 set -- --server "$address" --ca ca.pem --cert surgeon.pem --key surgeon.key --server-name localhost
 says 0 'hapticd' "$hapticctl" "$@" info
 says 0 'hapticd' "$hapticctl" --server "unix:$folder/s" info

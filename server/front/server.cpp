@@ -51,7 +51,8 @@ FrontServer::FrontServer(FrontStart start, OwnerPort& owner, FrontSources source
     // The descriptor leads there: no path does when this process is confined.
     content_.page = load_page("/proc/self/fd/" + std::to_string(files.back().get()));
   }
-  if (serves(config(), Use::kWeb) || serves(config(), Use::kMetrics)) {
+  // With tokens also where nothing is served: a check reads them.
+  if (config().web || serves(config(), Use::kMetrics)) {
     web_ = std::make_unique<WebServer>(*context_, content_, tls, files);
   }
   rpc_ = std::make_unique<RpcServer>(*context_, std::move(tls));

@@ -50,6 +50,9 @@ printf 'time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,0,0\n0.01,0,0\n' >"$folder/run.csv"
 ln "$folder/run.csv" "$folder/link.csv"
 says 2 'would be overwritten' "$hapticd" --scene "$scene" --listen "unix:$folder/s" \
   --set "$motion=$folder/run.csv" --set "record.file=$folder/link.csv"
+(umask 077 && echo short >"$folder/token")
+says 1 'must hold 16 to 128' "$hapticd" --scene "$scene" --check-scene \
+  --set "server.web={token {name: 'a' rights: 'test' file: '$folder/token'}}"
 says 2 'must be UTF-8' "$hapticd" --scene "$scene" --check-scene --set 'name="\377"'
 says 2 'no lease ends under force' "$hapticd" --scene "$scene" --check-scene \
   --set 'device[0].staleness.fade_end={seconds: 2 nanos: 500000000}' \
@@ -62,6 +65,7 @@ ctl() { # ctl STATUS TEXT ARGUMENT...: hapticctl at the socket of this test
 }
 says 2 'must be host:port or unix:/path' "$hapticctl" --server 127.0.0.1 info
 says 2 'must be host:port or unix:/path' "$hapticctl" --server '' info
+says 2 'must be host:port or unix:/path' "$hapticctl" --server 127.0.0.1:65536 info
 says 2 'wach' "$hapticctl" wach
 says 2 'a command is required' "$hapticctl"
 says 2 '--bogus' "$hapticctl" engage --bogus

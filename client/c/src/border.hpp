@@ -2,6 +2,8 @@
 /// The steps that every function of haptic.h shares: find the object of a handle, catch every
 /// exception, report the error.
 
+#include <cxxabi.h>
+
 #include <deque>
 #include <exception>
 #include <memory>
@@ -107,7 +109,7 @@ int report(haptic_error* error, const client::ClientError& why) noexcept;
 
 /// `body` returns nothing, or a code that is no error.
 template <typename Body>
-int guarded(haptic_error* error, Body body) noexcept {
+int guarded(haptic_error* error, Body body) {
   try {
     if constexpr (std::is_void_v<decltype(body())>) {
       body();
@@ -125,6 +127,8 @@ int guarded(haptic_error* error, Body body) noexcept {
     return report(error, HAPTIC_ERROR_NO_MEMORY, "out of memory");
   } catch (const std::exception& why) {
     return report(error, HAPTIC_ERROR_INTERNAL, why.what());
+  } catch (const abi::__forced_unwind&) {
+    throw;  // pthread_exit() in a caller's function, as Python's threads end with Python
   } catch (...) {
     return report(error, HAPTIC_ERROR_INTERNAL, "an exception without a name");
   }

@@ -169,8 +169,9 @@ def ask(function: Callable[..., int], *arguments: Any,
             if left:
                 undo()
 
-    threading.Thread(target=work, name="haptic call", daemon=True).start()
+    thread = threading.Thread(target=work, name="haptic call", daemon=True)
     try:
+        thread.start()
         done.wait()
     except BaseException:
         with lock:

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 import unittest
+import unittest.mock
 
 import haptic
 from hapticd_process import eventually
@@ -101,6 +102,24 @@ atexit.register(late)"""
     def test_a_daemon_thread_that_publishes(self) -> None:
         self.ends(LOOP + "for _ in range(3): threading.Thread(target=loop, daemon=True).start()\n"
                   "time.sleep(0.2)")
+
+    def test_a_daemon_thread_that_solves(self) -> None:
+        self.ends("def solve():\n    while True: haptic.solve(lambda x: [], (0.1, 0.2), 1.0)\n"
+                  "for _ in range(3): threading.Thread(target=solve, daemon=True).start()\n"
+                  "time.sleep(0.2)")
+
+    def test_an_interrupted_opening(self) -> None:
+        start = threading.Thread.start
+
+        def interrupted(thread: threading.Thread) -> None:
+            start(thread)
+            thread.join()
+            raise KeyboardInterrupt
+
+        with (unittest.mock.patch.object(threading.Thread, "start", interrupted),
+              self.assertRaises(KeyboardInterrupt)):
+            self.connection.session(client_name="leaver", nominal_rate_hz=60)
+        self.assertTrue(eventually(lambda: self.connection.devices()[0].controller == ""))
 
     def test_os_exit(self) -> None:
         self.ends("os._exit(5)", status=5, farewell=False)

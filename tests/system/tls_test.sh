@@ -36,6 +36,7 @@ cd "$folder" || exit 1
 # shellcheck disable=SC2086
 {
   openssl req -x509 $key -keyout ca.key -out ca.pem -subj /CN=issuer -days 2
+  openssl req -x509 -newkey rsa:1024 -nodes -keyout weak.key -out weak.pem -subj /CN=weak
   for who in localhost surgeon; do
     openssl req $key -keyout $who.key -out $who.csr -subj /CN=$who
     echo "subjectAltName=DNS:$who" >$who.ext
@@ -63,6 +64,8 @@ says 2 'must be "test", "primary" or "operator"' "$hapticd" --scene "$scene" --c
                client { name: \"a\" highest_priority: \"king\" }}"
 says 1 'must be that of the certificate' "$hapticd" --scene "$scene" --check-scene --set \
   "server.tls={certificate: \"$folder/localhost.pem\" key: \"$folder/ca.key\"}"
+says 1 'OpenSSL refuses it: ee key too small' "$hapticd" --scene "$scene" --check-scene --set \
+  "server.tls={certificate: \"$folder/weak.pem\" key: \"$folder/weak.key\"}"
 says 0 'ok' "$hapticd" --scene "$scene" --check-scene --set "$tls"
 says 0 ' UTC, in 1 days: give a new one' "$hapticd" --scene "$scene" --check-scene --set "$tls"
 

@@ -1,6 +1,8 @@
 #include "server/front/net/tls_files.hpp"
 
+#include <openssl/err.h>
 #include <openssl/pem.h>
+#include <openssl/ssl.h>
 #include <openssl/x509.h>
 
 #include <memory>
@@ -21,6 +23,7 @@ struct Free {
 using Memory = std::unique_ptr<BIO, Free<BIO_free>>;
 using Certificate = std::unique_ptr<X509, Free<X509_free>>;
 using Key = std::unique_ptr<EVP_PKEY, Free<EVP_PKEY_free>>;
+using Context = std::unique_ptr<SSL_CTX, Free<SSL_CTX_free>>;
 
 /// A file of the scene by its name.
 struct Named {
@@ -68,6 +71,14 @@ Certificate first_certificate(const Named& file, const std::string& text, TlsFil
   return certificate;
 }
 
+/// OpenSSL refuses short keys and weak digests, and then no client would get in.
+void check_strength(const Named& file, X509* certificate) {
+  const Context context(SSL_CTX_new(TLS_server_method()));
+  if (SSL_CTX_use_certificate(context.get(), certificate) == 1) return;
+  const char* const why = ERR_reason_error_string(ERR_peek_last_error());
+  file.refuse(std::string("OpenSSL refuses it: ") + (why == nullptr ? "no reason" : why));
+}
+
 }  // namespace
 
 TlsFiles read_tls(const TlsConfig& config, std::span<const Descriptor> opened) {
@@ -75,6 +86,7 @@ TlsFiles read_tls(const TlsConfig& config, std::span<const Descriptor> opened) {
   const Named certificate_file("certificate", config.certificate), key_file("key", config.key);
   files.certificate = read_named(certificate_file.text, opened[0]);
   const Certificate certificate = first_certificate(certificate_file, files.certificate, files);
+  check_strength(certificate_file, certificate.get());
   files.key = read_named(key_file.text, opened[1]);
   const Key key(PEM_read_bio_PrivateKey(memory(files.key).get(), nullptr, no_passphrase, nullptr));
   if (!key) key_file.refuse("must hold a private key as PEM, without a passphrase");

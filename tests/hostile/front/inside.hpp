@@ -18,7 +18,7 @@ namespace haptic::hostile {
 using Clock = std::chrono::steady_clock;
 
 /// Descriptors of the attacker's own have this number or a higher one.
-inline constexpr int kOwn = 900;
+inline constexpr int kOwn = 700;
 /// The socket to the owner.
 inline constexpr int kLink = 3;
 

@@ -104,7 +104,7 @@ ctl 4 'must be one of finger' --device thumb info
 ctl 0 'finger' info
 ctl 0 '"state":"' engage --json --seconds 0.2
 ctl 0 '"sessions": []' link --json
-ctl 0 '{"stopped":["finger"]}' estop --json
+ctl 0 '{"locally":true,"stopped":["finger"]}' estop --json
 ctl 5 'EMERGENCY_STOP' engage
 ctl 0 '{"cleared":["EMERGENCY_STOP"]}' clear-fault --json
 kill -TERM "$server"

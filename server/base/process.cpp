@@ -1,5 +1,6 @@
 #include "server/base/process.hpp"
 
+#include <fcntl.h>
 #include <sys/random.h>
 #include <unistd.h>
 
@@ -7,15 +8,18 @@
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
+
+#include "server/base/descriptor.hpp"
 
 namespace haptic::server {
 
 std::uint64_t resident_bytes() {
-  std::ifstream file("/proc/self/statm");  // proc(5): pages, the second number
-  std::uint64_t all = 0, resident = 0;
-  file >> all >> resident;
-  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  static const Descriptor file(open("/proc/self/statm", O_RDONLY | O_CLOEXEC));
+  std::array<char, 64> text{};
+  if (pread(file.get(), text.data(), text.size() - 1, 0) <= 0) return 0;
+  std::uint64_t pages = 0;  // proc(5): the second number
+  static_cast<void>(std::sscanf(text.data(), "%*u %" SCNu64, &pages));
+  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
 std::string random_secret() {

@@ -6,7 +6,7 @@
 
 namespace haptic::server {
 
-/// Resident memory of this process, bytes; 0: not known.
+/// Resident memory of this process, bytes; 0: not known. The first call opens the file for all.
 [[nodiscard]] std::uint64_t resident_bytes();
 
 /// 128 bits from the kernel, in hex. So few never fail once the system has started, unlike the

@@ -3,17 +3,24 @@
 /// that a hole in a library there cannot reach the device. The launcher has taken rights and memory
 /// away before; this takes files and system calls.
 
+#include <span>
 #include <string>
 #include <vector>
 
 namespace haptic::server {
 
-/// For good, for this thread and all that it starts: call it before the first thread. Landlock
-/// denies every file but the system's libraries and name services, what is open already, and what
-/// lies in `folder` if that is the descriptor of one; seccomp denies to
-/// signal, trace or read another process, to start a program, to change scheduling, to mount, and
-/// to make descriptors of devices and other processes. Returns what the kernel could not do, a
-/// sentence each; throws core::TransportError if it refused what it can do.
-[[nodiscard]] std::vector<std::string> confine(int folder = -1);
+/// For good, for every thread of this process and all that they start. Files: open first what you
+/// need, because no file can be opened afterwards. Seccomp allows the calls that serving needs and
+/// refuses all others with EPERM: to connect, to make or bind sockets, to signal, trace or start
+/// processes, to change scheduling, to share memory, to make memory executable. A call by another
+/// ABI of the processor ends the process. `shared` are descriptors that the owner and the next
+/// front have too: their flags and options cannot be changed, nor can they be copied, shut down or
+/// watched by an epoll; of a datagram socket the options can, and it can be watched. Landlock
+/// denies files, ports, names and signals a second time, if the kernel has it. Returns a sentence
+/// for each protection that this kernel lacks, with what holds without it; throws
+/// core::TransportError if the kernel refused what it can do.
+[[nodiscard]] std::vector<std::string> confine(std::span<const int> shared = {});
+/// Its part that Landlock does; what this kernel's lacks. No_new_privs must be set, or it throws.
+[[nodiscard]] std::string confine_by_landlock();
 
 }  // namespace haptic::server

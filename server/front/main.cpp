@@ -4,9 +4,13 @@
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <csignal>
 #include <iostream>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "server/base/log.hpp"
 #include "server/base/version.hpp"
@@ -34,19 +38,36 @@ void begin_log(const FrontConfig& config) {
   spdlog::set_level(spdlog::level::from_str(config.log_level));
 }
 
+/// All that is open but the files: those are read and closed here, and their numbers used again.
+std::vector<int> shared_with_owner(const FrontStart& start) {
+  constexpr int kAbove = 512;  // more than one message can bring
+  std::vector<int> shared;
+  for (int fd = 0; fd < kAbove; ++fd) {
+    const bool file = std::any_of(start.files.begin(), start.files.end(),
+                                  [fd](const Descriptor& each) { return each.get() == fd; });
+    if (!file && fcntl(fd, F_GETFD) >= 0) shared.push_back(fd);
+  }
+  return shared;
+}
+
 /// Until the owner wants no front any more; throws what keeps it from serving.
 void serve(OwnerLink& owner) {
   FrontStart start = owner.hello();
-  const std::vector<std::string> missing =
-      confine(start.config.web ? start.files.back().get() : -1);
+  Page page;
+  if (start.config.web) {
+    // The descriptor leads to it: hapticd's user may reach the folder, and this process not.
+    page = load_page("/proc/self/fd/" + std::to_string(start.files.back().get()));
+  }
+  const std::vector<std::string> missing = confine(shared_with_owner(start));
   begin_log(start.config);
   for (const std::string& sentence : missing) {
-    spdlog::warn("confinement of the front: {}", sentence);
+    spdlog::info("confinement of the front: {}", sentence);
   }
-  FrontServer server(std::move(start), owner,
-                     {[&owner] { return owner.facts(); },
-                      [&owner](std::size_t device) { return owner.totals(device); },
-                      [&owner](const FrontCounters& own) { return owner.count(own); }});
+  FrontServer server(
+      std::move(start), owner,
+      {[&owner] { return owner.facts(); },
+       [&owner](std::size_t device) { return owner.totals(device); },
+       [&owner](const FrontCounters& own) { return owner.count(own); }, std::move(page)});
   std::string warnings;
   for (const std::string& one : server.warnings()) warnings += (warnings.empty() ? "" : "\n") + one;
   owner.say({.kind = FrontMessage::Kind::kReady, .text = warnings});

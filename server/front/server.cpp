@@ -39,17 +39,13 @@ FrontServer::FrontServer(FrontStart start, OwnerPort& owner, FrontSources source
       context_(std::make_shared<ServiceContext>(std::move(start.config), owner, sources_.facts,
                                                 std::move(limits))),
       sockets_(std::move(start.sockets)),
-      content_{{}, [this] { return metrics(); }} {
+      content_{sources_.page, [this] { return metrics(); }} {
   std::span<const Descriptor> files = start.files;
   std::optional<TlsFiles> tls;
   if (config().tls) {
     tls = read_tls(*config().tls, files);
     ends_ = tls->ends;
     files = files.subspan(tls->client_ca.empty() ? 2 : 3);
-  }
-  if (config().web) {
-    // The descriptor leads there: no path does when this process is confined.
-    content_.page = load_page("/proc/self/fd/" + std::to_string(files.back().get()));
   }
   // With tokens also where nothing is served: a check reads them.
   if (config().web || serves(config(), Use::kMetrics)) {

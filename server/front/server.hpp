@@ -34,19 +34,20 @@ namespace haptic::server {
 class RpcServer;
 class WebServer;
 
-/// The owner's words about itself.
+/// The owner's words about itself, and what browsers show.
 struct FrontSources {
   FactsProvider facts{};
   std::function<TickTotals(std::size_t device)> totals{};
   /// Says what this front has counted so far; the answer is that and what those before it did.
   /// None: there was none before.
   std::function<FrontCounters(const FrontCounters&)> count{};
+  Page page{};
 };
 
 class FrontServer {
  public:
-  /// Reads and checks the files of `start`, and serves nothing yet. `owner` and what the sources
-  /// use must outlive this. Throws core::TransportError naming the file that is wrong.
+  /// Reads and checks the files of `start`, opens none, and serves nothing yet. `owner` and what
+  /// the sources use must outlive this. Throws core::TransportError naming the file that is wrong.
   FrontServer(FrontStart start, OwnerPort& owner, FrontSources sources, ServiceLimits limits = {});
   /// stop() with 1 s.
   ~FrontServer();

@@ -44,7 +44,7 @@ Descriptor copy_of(const Descriptor& descriptor) {
 }
 
 Descriptor open_spare() {
-  return Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  return Descriptor(eventfd(0, EFD_CLOEXEC));
 }
 
 /// A client waits for the server's first words before it sends as much.
@@ -67,8 +67,7 @@ Connections::Connections(std::vector<Listener> listeners, const ConnectionLimits
     : limits_(limits),
       listeners_(std::move(listeners)),
       spare_(open_spare()),
-      wakes_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
-      statm_(::open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}
+      wakes_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
 
 Connections::~Connections() {
   stop();

@@ -102,7 +102,6 @@ class Connections {
   void forget_closed();
   void look_after(core::TimePoint now);
   void look_at_memory(core::TimePoint now);
-  [[nodiscard]] std::uint64_t resident() const;
   void cut_suspects(core::TimePoint now);
   void cut(Connection& connection, const char* why);
   void offends(Connection& connection, const char* why);
@@ -114,7 +113,6 @@ class Connections {
   Descriptor
       spare_;  ///< given up for a moment when descriptors run out, to accept one and close it
   const Descriptor wakes_;
-  const Descriptor statm_;  ///< /proc/self/statm
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Connection>> open_{};  ///< the oldest first; changed by the thread
   const std::shared_ptr<Account> unread_{std::make_shared<Account>()};

@@ -1,13 +1,11 @@
 /// Connections: what gives way when the memory of the process grows.
 
 #include <malloc.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <utility>
 
+#include "server/base/process.hpp"
 #include "server/front/net/connection.hpp"
 
 namespace haptic::server {
@@ -32,16 +30,8 @@ std::uint64_t heap_in_use() {
 
 }  // namespace
 
-std::uint64_t Connections::resident() const {
-  std::array<char, 64> text{};
-  if (pread(statm_.get(), text.data(), text.size() - 1, 0) <= 0) return 0;
-  unsigned long long pages = 0;
-  static_cast<void>(std::sscanf(text.data(), "%*u %llu", &pages));
-  return pages * static_cast<unsigned long long>(sysconf(_SC_PAGESIZE));
-}
-
 void Connections::look_at_memory(core::TimePoint now) {
-  const std::uint64_t size = resident();
+  const std::uint64_t size = resident_bytes();
   if (resident_ != 0 && size > resident_ + limits_.growth) {
     resident_ = size;
     cut_suspects(now);
@@ -54,7 +44,7 @@ void Connections::look_at_memory(core::TimePoint now) {
   memory_at_ = now;
   // Memory that an attack leaves behind is given back, so that the next one is seen to grow.
   if (std::exchange(trim_, false)) malloc_trim(0);
-  resident_ = resident();
+  resident_ = resident_bytes();
   if (resident_ > limits_.memory && heap_in_use() > limits_.memory) cut_suspects(now);
 }
 

@@ -1,3 +1,4 @@
+#include <sys/eventfd.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -27,7 +28,7 @@ ConnectionLimits within_descriptors(ConnectionLimits limits) {
     getrlimit(RLIMIT_NOFILE, &allowed);
   }
   // The lowest free number is how many are in use, roughly.
-  const Descriptor next(dup(0));
+  const Descriptor next(eventfd(0, EFD_CLOEXEC));
   const auto used = static_cast<rlim_t>(std::max(next.get(), 3));
   const rlim_t kept = used + kReservedDescriptors;
   const rlim_t room = allowed.rlim_cur > kept ? (allowed.rlim_cur - kept) / kOfConnection : 0;

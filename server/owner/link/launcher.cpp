@@ -1,6 +1,7 @@
 #include "server/owner/link/launcher.hpp"
 
 #include <fcntl.h>
+#include <grp.h>
 #include <linux/capability.h>
 #include <poll.h>
 #include <sched.h>
@@ -33,9 +34,22 @@ struct Order {
 
 using Notice = Launcher::Notice;
 
-/// Takes real-time rights, capabilities and memory away. Only what the kernel always grants can
-/// fail here, so failures are not looked at: the front's own confinement checks what holds.
-void take_rights_away(const FrontLimits& limits) {
+/// Ids that own no file, for a front whose owner is root.
+constexpr uid_t kNobody = 65534;
+/// Addresses that a front may use for each byte of memory: malloc reserves far more than it uses.
+/// Their page tables are counted nowhere else.
+constexpr rlim_t kAddressesPerByte = 128;
+
+void limit(__rlimit_resource resource, rlim_t most) {
+  rlimit both{};
+  getrlimit(resource, &both);
+  both.rlim_cur = both.rlim_max = std::min(most, both.rlim_max);
+  setrlimit(resource, &both);
+}
+
+/// Takes real-time rights and memory away. Only what the kernel always grants can fail here and in
+/// take_rights_away(), so failures are not looked at: the front looks at its user again.
+void take_means_away(const FrontLimits& limits) {
   const sched_param ordinary{};
   sched_setscheduler(0, SCHED_OTHER | SCHED_RESET_ON_FORK, &ordinary);
   cpu_set_t all;
@@ -47,32 +61,48 @@ void take_rights_away(const FrontLimits& limits) {
     sched_setaffinity(0, sizeof all, &all);
   }
   setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + limits.nice);
-  const auto limit = [](auto resource, rlim_t most) {
-    const rlimit both{most, most};
-    setrlimit(resource, &both);
-  };
-  for (const auto resource : {RLIMIT_RTPRIO, RLIMIT_NICE, RLIMIT_MEMLOCK, RLIMIT_CORE}) {
+  for (const auto resource : {RLIMIT_RTPRIO, RLIMIT_NICE, RLIMIT_MEMLOCK, RLIMIT_CORE,
+                              RLIMIT_MSGQUEUE, RLIMIT_SIGPENDING}) {
     limit(resource, 0);
   }
-  if (limits.memory_bytes != 0) limit(RLIMIT_DATA, limits.memory_bytes);
+  if (limits.memory_bytes != 0) {
+    limit(RLIMIT_DATA, limits.memory_bytes);
+    limit(RLIMIT_AS, kAddressesPerByte * limits.memory_bytes);
+  }
   if (limits.stack_bytes != 0) limit(RLIMIT_STACK, limits.stack_bytes);
-  rlimit files{};
-  getrlimit(RLIMIT_NOFILE, &files);
-  limit(RLIMIT_NOFILE, std::min<rlim_t>(files.rlim_max, 4096));
+  limit(RLIMIT_NOFILE, 768);
+  // If memory runs out on this host, the kernel ends the front and not the owner.
+  const Descriptor first(open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
+  static_cast<void>(::write(first.get(), "1000", 4) == 4);
+}
+
+/// Root becomes nobody, with no group but nobody's. What root may execute it still may until exec,
+/// which takes this last capability away.
+void take_rights_away() {
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   for (unsigned long capability = 0; capability <= CAP_LAST_CAP; ++capability) {
     prctl(PR_CAPBSET_DROP, capability, 0, 0, 0);
   }
   __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
-  std::array<__user_cap_data_struct, 2> no_capabilities{};
-  syscall(SYS_capset, &header, no_capabilities.data());
+  std::array<__user_cap_data_struct, 2> had{}, kept{};
+  if (geteuid() == 0) {
+    syscall(SYS_capget, &header, had.data());
+    kept[0].permitted = kept[0].effective = had[0].permitted & (1U << CAP_DAC_OVERRIDE);
+    prctl(PR_SET_KEEPCAPS, 1, 0, 0, 0);
+    setgroups(0, nullptr);
+    static_cast<void>(setresgid(kNobody, kNobody, kNobody));
+    static_cast<void>(setresuid(kNobody, kNobody, kNobody));
+  }
+  syscall(SYS_capset, &header, kept.data());
 }
 
 /// The front's side of fork().
-[[noreturn]] void become_front(const char* program, int link, const FrontLimits& limits) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() == 1) _exit(kCannotExec);  // the launcher died before the line above
-  take_rights_away(limits);
+[[noreturn]] void become_front(const char* program, int link, const FrontLimits& limits,
+                               pid_t launcher) {
+  take_means_away(limits);
+  take_rights_away();
+  prctl(PR_SET_PDEATHSIG, SIGKILL);               // a change of user would have cancelled it
+  if (getppid() != launcher) _exit(kCannotExec);  // it died before the line above
   for (const char* of_owner : {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"}) {
     unsetenv(of_owner);
   }
@@ -98,7 +128,7 @@ class Service {
     sigaddset(&child, SIGCHLD);
     sigset_t all;
     sigfillset(&all);
-    sigprocmask(SIG_SETMASK, &all, nullptr);  // a terminal's Ctrl-C is the owner's to answer
+    sigprocmask(SIG_SETMASK, &all, nullptr);
     const int ended = signalfd(-1, &child, SFD_CLOEXEC | SFD_NONBLOCK);
     for (;;) {
       std::array<pollfd, 2> wait{{{socket_, POLLIN, 0}, {ended, POLLIN, 0}}};
@@ -146,12 +176,13 @@ class Service {
   }
 
   void start(int link) {
+    const pid_t launcher = getpid();
     const pid_t pid = fork();
     if (pid == 0) {
       sigset_t none;
       sigemptyset(&none);
       sigprocmask(SIG_SETMASK, &none, nullptr);
-      become_front(program_, link, limits_);
+      become_front(program_, link, limits_, launcher);
     }
     if (pid < 0) {
       send(socket_, Notice{Notice::Kind::kEnded, 0, errno});
@@ -174,6 +205,7 @@ Launcher::Launcher(std::filesystem::path program, FrontLimits limits) {
   if (pid_ == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     prctl(PR_SET_NAME, "hapticd-launch", 0, 0, 0);
+    setsid();  // no front has hapticd's terminal as its own
     ours = Descriptor();
     Service(its.get(), program.c_str(), limits).run();
     _exit(0);

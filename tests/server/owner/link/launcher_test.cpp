@@ -27,7 +27,9 @@ std::optional<Notice> wait_for(Launcher& launcher) {
 class Script {
  public:
   explicit Script(const std::string& line) : file_("#!/bin/sh\n" + line + "\n", "front") {
-    std::filesystem::permissions(file_.path(), std::filesystem::perms::owner_all);
+    // A front of root is nobody, and its shell reads the file as that.
+    std::filesystem::permissions(file_.path(), std::filesystem::perms(0755));
+    std::filesystem::permissions(file_.path().parent_path(), std::filesystem::perms(0755));
   }
   [[nodiscard]] std::filesystem::path path() const { return file_.path(); }
 
@@ -106,11 +108,46 @@ TEST(Launcher, OnlyFrontsAreKilled) {
 }
 
 TEST(Launcher, AFrontHasNoRights) {
-  const std::string said = told_by(
-      "ulimit -r; ulimit -d; grep -E '^(CapEff|CapBnd|CapPrm|NoNewPrivs)' /proc/self/status");
+  const std::string said =
+      told_by("grep -E '^(Cap(Inh|Prm|Eff|Bnd|Amb)|NoNewPrivs)' /proc/self/status");
   EXPECT_EQ(said,
-            "0\n65536\nCapPrm:\t0000000000000000\nCapEff:\t0000000000000000\n"
-            "CapBnd:\t0000000000000000\nNoNewPrivs:\t1\n");
+            "CapInh:\t0000000000000000\nCapPrm:\t0000000000000000\nCapEff:\t0000000000000000\n"
+            "CapBnd:\t0000000000000000\nCapAmb:\t0000000000000000\nNoNewPrivs:\t1\n");
+}
+
+TEST(Launcher, AFrontOfRootIsNobody) {
+  if (geteuid() != 0) GTEST_SKIP() << "needs root";
+  EXPECT_EQ(told_by("id -u; id -G"), "65534\n65534\n");
+}
+
+TEST(Launcher, AFrontHasLittleMemory) {
+  // Resource, soft and hard limit; the largest addresses are 128 for each byte.
+  EXPECT_EQ(told_by("sed -nE 's/^(Max (data|address|locked|msgqueue|core|pending).*[a-z]) {2,}"
+                    "([0-9]+) +([0-9]+).*/\\2 \\3 \\4/p' /proc/self/limits"),
+            "data 67108864 67108864\ncore 0 0\nlocked 0 0\naddress 8589934592 8589934592\n"
+            "pending 0 0\nmsgqueue 0 0\n");
+  EXPECT_EQ(told_by("cat /proc/self/oom_score_adj"), "1000\n");
+}
+
+TEST(Launcher, AFrontHasNoTerminal) {
+  EXPECT_EQ(told_by("test $(ps -o sid= -p $$) != " + std::to_string(getsid(0)) + " && echo apart"),
+            "apart\n");
+  EXPECT_EQ(told_by("(: </dev/tty) 2>/dev/null || echo none"), "none\n");
+}
+
+/// Built by root where no other user may look.
+TEST(Launcher, FindsAFrontOnlyRootReads) {
+  const haptic::test::ScratchFolder folder;
+  const auto program = folder.path() / "front";
+  std::filesystem::copy("/bin/true", program);
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  Launcher launcher(program, {});
+  auto [here, there] = packet_pair();
+  launcher.start(std::move(there));
+  ASSERT_TRUE(wait_for(launcher));
+  const auto ended = wait_for(launcher);
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(WEXITSTATUS(ended->status), 0);
 }
 
 TEST(Launcher, FrontsKeepOffTheLoopsCore) {

@@ -94,11 +94,7 @@ bool DeviceSessions::resumes(const SessionId& former) const noexcept {
 /// it still stands (its end may be known to the client only), goes on as an observer's.
 void DeviceSessions::resume_lease(const LeaseRequest& request, core::TimePoint now,
                                   std::uint64_t id) {
-  if (pending_.lease_ended(lease_.session_id, out_.answers)) {
-    // A client that was told that its Engage failed must not feel it act.
-    ++command_.release_id;
-    post();
-  }
+  if (pending_.lease_ended(lease_.session_id, out_.answers)) take_engage_back();
   const std::uint32_t epoch = lease_.resume(request, now, ingress_.last_accepted());
   ingress_.renew_lease(epoch);
   tell_lease("LEASE_RESUMED", quoted(request.client_name) + " is back");
@@ -189,6 +185,7 @@ void DeviceSessions::end_lease() {
   post();
   settings_due_ = true;
   static_cast<void>(pending_.lease_ended(session_id, out_.answers));  // the end releases
+  pending_.forget_engage();
 }
 
 void DeviceSessions::tell_lease(const char* reason, const std::string& message) {

@@ -77,14 +77,11 @@ void DeviceSessions::clear_faults(const Request& request) {
     answer(request.id);
     return;
   }
-  if (active.has(core::Fault::kEmergencyStop)) {
-    if (stopped_locally_ && !request.local) {
-      return answer(request.id, {Refusal::Code::kPermission, "STOPPED_LOCALLY",
-                                 "'" + unit_.name() +
-                                     "' was stopped on the host that runs hapticd: it is cleared "
-                                     "there"});
-    }
-    stopped_locally_ = false;
+  if (active.has(core::Fault::kEmergencyStop) && stopped_locally_ && !request.local) {
+    return answer(request.id, {Refusal::Code::kPermission, "STOPPED_LOCALLY",
+                               "'" + unit_.name() +
+                                   "' was stopped on the host that runs hapticd: it is cleared "
+                                   "there"});
   }
   pending_.add_clear(request, {active, seen_.stop_id});
   post_next_clear();
@@ -106,9 +103,12 @@ void DeviceSessions::update_settings(const Request& request) {
 }
 
 void DeviceSessions::cancel(std::uint64_t id) {
-  if (!pending_.cancel(id)) return;
-  // A client that was told that its Engage failed must not feel it act: a tick that comes after all
-  // releases.
+  if (pending_.cancel(id)) take_engage_back();
+}
+
+/// A client that was told that its Engage failed must not feel it act: a tick that comes after all
+/// releases.
+void DeviceSessions::take_engage_back() {
   ++command_.release_id;
   post();
 }
@@ -122,6 +122,7 @@ void DeviceSessions::begin_closing() {
   if (command_.closing) return;
   command_.closing = true;
   post();
+  if (newcomer_ && newcomer_->granted) end_lease();
   if (newcomer_) refuse_newcomer(kClosing);
   tell(DeviceEvent::Kind::kClosing, "CLOSING", kClosing.message.str());
   if (!lease_.has_holder) out_.events.back().lease_epoch = 0;
@@ -171,9 +172,11 @@ void DeviceSessions::step(const core::TickRecord& record) {
     // Under the epoch that clients know; the record has the tenure.
     if (out_.events[i].lease_epoch != 0) out_.events[i].lease_epoch += lease_.resumes;
   }
+  const bool stop_is_on = seen_.faults.has(core::Fault::kEmergencyStop);
+  if (!stop_is_on && seen_.stop_id == command_.stop_id) stopped_locally_ = false;
   look_after_lease(record);
   const std::size_t answered = out_.answers.size();
-  pending_.step(record, out_.answers);
+  if (pending_.step(record, out_.answers)) take_engage_back();
   // A stream whose every sample is refused looks like no stream to the tick; here the reason is
   // known.
   for (std::size_t i = answered; i < out_.answers.size(); ++i) {

@@ -95,6 +95,7 @@ class DeviceSessions {
   void clear_faults(const Request& request);
   void update_settings(const Request& request);
   void cancel(std::uint64_t id);
+  void take_engage_back();
   // device_lease.cpp
   void open(const Request& request);
   void open_tracker(const Request& request);
@@ -125,7 +126,9 @@ class DeviceSessions {
   bool settings_due_{false};  ///< the scene's settings are to be restored when g = 0
   EventDetector detector_;
   std::string stop_reason_{};
-  bool stopped_locally_{false};  ///< by the local control socket, which alone clears that
+  /// A stop came by the local control socket, which alone clears it; false again when the loop says
+  /// that no stop is on.
+  bool stopped_locally_{false};
   /// Values of the newest record for which the calls after it ask.
   struct Seen {
     core::TimePoint now{};

@@ -112,19 +112,23 @@ bool PendingRequests::resolve(const Pending& pending, const core::TickRecord& re
   if (pending.posted == 0 || answered < pending.posted) return false;
   answers.emplace_back(Answer{pending.id});
   if (engage) answers.back().refusal = engage_refusal(record.life.engage, record.life.state);
+  if (engage && !answers.back().refusal) accepted_engage_ = pending.id;
   if (clear) answer_clear(pending.clear.faults, record.life.clear.refused, answers.back());
   return true;
 }
 
-void PendingRequests::step(const core::TickRecord& record, Answers& answers) {
+bool PendingRequests::step(const core::TickRecord& record, Answers& answers) {
+  bool gave_up_engage = false;
   std::erase_if(requests_, [&](Pending& pending) {
     if (resolve(pending, record, answers)) return true;
     if (--pending.patience > 0) return false;
     answers.emplace_back(Answer{pending.id}).refusal = {
         Refusal::Code::kUnavailable, "NO_ANSWER",
         "the loop gave no answer within " + std::to_string(kPatience) + " ticks"};
+    gave_up_engage = gave_up_engage || pending.kind == Request::Kind::kEngage;
     return true;
   });
+  return gave_up_engage;
 }
 
 bool PendingRequests::lease_ended(const SessionId& session_id, Answers& answers) {
@@ -153,7 +157,7 @@ void PendingRequests::refuse_all(const Refusal& why, Answers& answers) {
 bool PendingRequests::cancel(std::uint64_t id) {
   const auto found = std::find_if(requests_.begin(), requests_.end(),
                                   [&](const Pending& pending) { return pending.id == id; });
-  if (found == requests_.end()) return false;
+  if (found == requests_.end()) return id != 0 && id == accepted_engage_;
   const bool engage = found->kind == Request::Kind::kEngage;
   requests_.erase(found);
   return engage;

@@ -34,13 +34,17 @@ class PendingRequests {
   /// none waits for that.
   std::optional<AskedClear> begin_clear(std::uint64_t posted) noexcept;
 
-  /// Appends an answer for what `record` answers, and for what has waited too long.
-  void step(const core::TickRecord& record, Answers& answers);
+  /// Appends an answer for what `record` answers, and for what has waited too long. True if that
+  /// was an engage: the loop may still read it.
+  bool step(const core::TickRecord& record, Answers& answers);
   /// The session lost its lease: its engages are refused, its releases fulfilled. True if there was
   /// an engage: the loop may still read it.
   [[nodiscard]] bool lease_ended(const SessionId& session_id, Answers& answers);
-  /// Request `id` is not answered any more. True if it was an engage.
+  /// Request `id` is not answered any more. True if it was an engage, also if it is the newest one
+  /// that was accepted: its answer came too late.
   bool cancel(std::uint64_t id);
+  /// No cancel takes an engage back that was accepted before.
+  void forget_engage() noexcept { accepted_engage_ = 0; }
   /// Every request is refused: no tick comes any more.
   void refuse_all(const Refusal& why, Answers& answers);
 
@@ -54,9 +58,10 @@ class PendingRequests {
     int patience{kPatience};
   };
   /// True if the record answers it.
-  static bool resolve(const Pending& pending, const core::TickRecord& record, Answers& answers);
+  bool resolve(const Pending& pending, const core::TickRecord& record, Answers& answers);
 
   std::list<Pending> requests_;
+  std::uint64_t accepted_engage_{0};  ///< id of the newest request; 0: none
 };
 
 }  // namespace haptic::server

@@ -142,5 +142,35 @@ TEST_F(Engage, AbandonedRequestBringsNoForce) {
   EXPECT_EQ(rig.engage(), "") << "the next one is as good as ever";
 }
 
+TEST_F(Engage, LateAnswerGrantsNothing) {
+  rig.stream(250, 0.01);
+  std::string reason = "(no answer)";
+  const std::uint64_t ticket = rig.sessions->engage("s1", [&](const Outcome<Done>& outcome) {
+    reason = outcome ? "" : outcome.refusal.reason.str();
+  });
+  rig.stream(1, 0.01);
+  ASSERT_EQ(reason, "");
+  // On its way the answer took so long that the client was told of a failure.
+  rig.owner->post(server::Request{.id = ticket, .kind = server::Request::Kind::kCancel});
+  rig.stream(1, 0.01);
+  EXPECT_EQ(rig.state(), LifecycleState::kReleasing);
+}
+
+TEST_F(Engage, GivenUpRequestBringsNoForce) {
+  rig.stream(250, 0.01);
+  for (int i = 0; i < server::PendingRequests::kPatience; ++i) {  // their records wait
+    rig.publish(0.01);
+    rig.unit->tick(rig.now += DeviceRig::kTick, DeviceRig::kTick, {});
+  }
+  std::string reason = "(no answer)";
+  rig.sessions->engage("s1", [&](const Outcome<Done>& outcome) {
+    reason = outcome ? "" : outcome.refusal.reason.str();
+  });
+  rig.telemetry->drain();
+  ASSERT_EQ(reason, "NO_ANSWER");
+  rig.stream(50, 0.01);
+  EXPECT_EQ(rig.state(), LifecycleState::kArmed);
+}
+
 }  // namespace
 }  // namespace haptic::test

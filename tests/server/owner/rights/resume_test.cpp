@@ -284,6 +284,15 @@ TEST_F(ResumeTest, APreemptedHolderCannotResume) {
   EXPECT_TRUE(boss->lease);
 }
 
+TEST_F(ResumeTest, ClosingEndsAPromisedLease) {
+  press();
+  const auto boss = ask(resumable("s2", "boss", Priority::kOperator));
+  EXPECT_EQ(rig.sessions->controller(), "boss") << "promised";
+  rig.owner->begin_closing();
+  ASSERT_TRUE(boss->refusal);
+  EXPECT_EQ(rig.sessions->controller(), "");
+}
+
 TEST_F(ResumeTest, WaitingOperatorLeavesAFreeDevice) {
   press();
   const auto boss = ask(resumable("s2", "boss", Priority::kOperator));

@@ -68,6 +68,27 @@ TEST(EmergencyStop, LocalOneIsClearedLocallyOnly) {
   EXPECT_EQ(ask(Kind::kClear, false), "");
 }
 
+TEST(EmergencyStop, LocalOneOutlastsAnEarlierClear) {
+  DeviceRig rig;
+  rig.tick(3);
+  using Kind = server::Request::Kind;
+  std::string reasons;
+  const auto ask = [&](Kind kind, bool local) {
+    rig.sessions->ask({.kind = kind, .local = local}, [&reasons, kind](const server::Answer& a) {
+      if (kind == Kind::kClear) reasons += (a.refusal ? a.refusal->reason.str() : "ok") + " ";
+    });
+  };
+  ask(Kind::kStop, false);
+  rig.tick();
+  ask(Kind::kStop, true);
+  ask(Kind::kClear, true);  // it has not seen the local stop
+  rig.tick();
+  ask(Kind::kClear, false);
+  EXPECT_EQ(reasons, "FAULT_PERSISTS STOPPED_LOCALLY ");
+  rig.tick();
+  EXPECT_EQ(rig.state(), LifecycleState::kFault);
+}
+
 TEST(ClearFault, FaultStaysUntilCleared) {
   DeviceRig rig;
   rig.tick(3);

@@ -31,7 +31,7 @@ packages() {
                 "dpkg-dev file help2man" ;;
     demo) echo "gnuplot-nox" ;;
     hand) echo "libmujoco-dev libegl-dev libgl1-mesa-dri ffmpeg" ;;
-    test) echo "libgtest-dev libgmock-dev clang-format clang-tidy gnuplot-nox" \
+    test) echo "libgtest-dev libgmock-dev clang-format clang-tidy gnuplot-nox spin" \
                 "liborocos-kdl-dev clang python3-grpcio python3-cryptography tshark openssl" \
                 "python3-pip python3-setuptools python3-wheel" \
                 "prometheus systemd mypy lintian haproxy libmujoco-dev libegl-dev" \

@@ -4,10 +4,10 @@
 #   tests/run.sh [--preset release|debug|asan|tsan] [-L|--label REGEX] [--ci] [--no-install] [--
 #     CTEST-ARGS]
 #
-# Without --label: every test except those labelled network, calm, hostile, kernel, mutation, lint
-# and container; with the presets of the sanitizers those labelled unit and service. Labels: unit,
-# service, system, interop, haproxy, browser, check, lint, network, calm, hostile, kernel, mutation,
-# container. A failed test is not run again.
+# Without --label: every test except those labelled network, calm, hostile, kernel, model, mutation,
+# lint and container; with the presets of the sanitizers those labelled unit and service. Labels:
+# unit, service, system, interop, haproxy, browser, check, lint, network, calm, hostile, kernel,
+# model, mutation, container. A failed test is not run again.
 # --ci: then also the container tests, with the programs just built. If no container engine works
 # they fail with the reason, unless HAPTIC_SKIP_CONTAINERS='why not here' is set.
 set -euo pipefail
@@ -47,7 +47,7 @@ if [[ -n $label ]]; then
 elif [[ $preset == asan || $preset == tsan ]]; then
   which=(--label-regex '^(unit|service)$')
 else
-  which=(--label-exclude '^(network|calm|hostile|kernel|mutation|lint|container)$')
+  which=(--label-exclude '^(network|calm|hostile|kernel|model|mutation|lint|container)$')
 fi
 results=()
 run_tests() { # run_tests NAME CTEST-ARGS...

@@ -5,26 +5,66 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
+#include <exception>
+#include <thread>
+
+#include "server/base/thread_setup.hpp"
 
 namespace haptic::server {
+namespace {
+
+std::atomic<int> closing_elsewhere{0};
+
+/// Size of the next message, which stays there: as recv(), or -2 if it brings descriptors.
+ssize_t size_of_next(const Descriptor& socket) {
+  msghdr message{};
+  const ssize_t size = recvmsg(socket.get(), &message, MSG_PEEK | MSG_TRUNC | MSG_DONTWAIT);
+  return size >= 0 && (message.msg_flags & MSG_CTRUNC) != 0 ? -2 : size;
+}
+
+/// The descriptors that a message brings are closed with the socket, which waits for as long as
+/// their sender likes (SO_LINGER): then a thread of its own does it.
+void close_elsewhere(Descriptor socket) {
+  shutdown(socket.get(), SHUT_RD);  // from now on it gets nothing more
+  ssize_t next = 0;
+  while ((next = size_of_next(socket)) > 0) recv(socket.get(), nullptr, 0, MSG_DONTWAIT);
+  if (next != -2) return;
+  ++closing_elsewhere;
+  try {
+    std::thread([number = socket.release()] {
+      set_thread_up("close aside");
+      close(number);
+      --closing_elsewhere;
+    }).detach();
+  } catch (const std::exception&) {  // no thread is to be had: the socket stays open
+  }
+}
+
+}  // namespace
 
 ControlSocket::ControlSocket(const ControlPlaces& places, Handler handler, Barred barred)
     : handler_(std::move(handler)), barred_(std::move(barred)), listeners_(places) {}
 
+/// Not while sockets that they burdened are still being closed.
+bool ControlSocket::serves_others(core::TimePoint now) const {
+  return now >= others_at_ && closing_elsewhere.load() < kMostClosing;
+}
+
 core::Duration ControlSocket::add_to(std::vector<pollfd>& wait, core::TimePoint now) const {
-  const bool others = now >= others_at_;
+  const bool others = serves_others(now);
   for (const ControlListeners::Listener& listener : listeners_.all()) {
     if (others || !listener.for_all) wait.push_back({listener.socket.get(), POLLIN, 0});
   }
   for (const Connection& connection : connections_) {
     if (others || connection.trusted) wait.push_back({connection.socket.get(), POLLIN, 0});
   }
-  return others ? core::Duration(std::chrono::seconds(1)) : others_at_ - now;
+  return now >= others_at_ ? core::Duration(std::chrono::seconds(1)) : others_at_ - now;
 }
 
 void ControlSocket::turn(core::TimePoint now) {
-  const bool others = now >= others_at_;
+  const bool others = serves_others(now);
   bool came = false;
   accepted_.clear();
   for (const ControlListeners::Listener& listener : listeners_.all()) {
@@ -69,9 +109,9 @@ void ControlSocket::accept_one(Descriptor socket) {
   ucred peer{};
   socklen_t size = sizeof peer;
   if (getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) return;
-  if (barred_ && barred_(peer.pid)) return;
+  if (barred_ && barred_(peer.pid)) return close_elsewhere(std::move(socket));
   const bool trusted = peer.uid == 0 || peer.uid == geteuid();
-  if (!trusted && has_too_many(peer.uid)) return;
+  if (!trusted && has_too_many(peer.uid)) return close_elsewhere(std::move(socket));
   make_room(trusted, peer.uid);
   connections_.push_back({std::move(socket), ++last_number_, peer.uid, trusted, false});
   read(connections_.back());
@@ -95,6 +135,7 @@ void ControlSocket::make_room(bool trusted, unsigned user) {
     if (oldest == connections_.end()) {
       oldest = std::find_if(connections_.begin(), connections_.end(), belongs);
     }
+    close_elsewhere(std::move(oldest->socket));
     connections_.erase(oldest);
   };
   if (!trusted) {
@@ -104,14 +145,12 @@ void ControlSocket::make_room(bool trusted, unsigned user) {
 }
 
 void ControlSocket::read(Connection& connection) {
+  const ssize_t next = size_of_next(connection.socket);
+  if (next == -1 && errno == EAGAIN) return;
+  if (next <= 0) return close_elsewhere(std::move(connection.socket));  // gone, or not to be taken
   std::array<char, ControlCommand::kLongest + 1> bytes{};
-  const ssize_t got = recv(connection.socket.get(), bytes.data(), bytes.size(), 0);
-  if (got < 0 && errno == EAGAIN) return;
-  if (got <= 0) {
-    connection.socket = Descriptor();
-    return;
-  }
-  if (connection.asked) return;
+  const ssize_t got = recv(connection.socket.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+  if (connection.asked || got < 0) return;
   connection.asked = true;
   ParsedCommand parsed = parse_command({bytes.data(), static_cast<std::size_t>(got)});
   ControlCommand& command = parsed.command;
@@ -131,7 +170,7 @@ void ControlSocket::answer(std::uint64_t reply_to, std::string_view text) {
   for (Connection& connection : connections_) {
     if (connection.number != reply_to) continue;
     ::send(connection.socket.get(), text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-    connection.socket = Descriptor();
+    close_elsewhere(std::move(connection.socket));
   }
 }
 

@@ -29,6 +29,7 @@ class ControlSocket {
   /// Others are served in so many turns of each round.
   static constexpr core::Duration kRound{std::chrono::milliseconds(5)};
   static constexpr unsigned kTurnsPerRound = 4;
+  static constexpr int kMostClosing = 16;  ///< sockets whose close waits
 
   using Handler = std::function<void(const ControlCommand&)>;
   /// The process may ask nothing, whoever its user is.
@@ -55,6 +56,7 @@ class ControlSocket {
     bool trusted{false};
     bool asked{false};
   };
+  [[nodiscard]] bool serves_others(core::TimePoint now) const;
   /// True: somebody came.
   bool accept_from(const ControlListeners::Listener& listener);
   void accept_one(Descriptor socket);

@@ -13,6 +13,7 @@
 
 #include "haptic/core/error.hpp"
 #include "server/base/line_rate.hpp"
+#include "server/crossing/packet_socket.hpp"
 
 namespace {
 
@@ -45,6 +46,7 @@ class Caller {
     connected_ = connect(socket_.get(), reinterpret_cast<sockaddr*>(&address), size) == 0;
   }
   [[nodiscard]] bool connected() const { return connected_; }
+  [[nodiscard]] int descriptor() const { return socket_.get(); }
   bool say(std::string_view text) {
     return ::send(socket_.get(), text.data(), text.size(), MSG_NOSIGNAL) ==
            static_cast<ssize_t>(text.size());
@@ -165,6 +167,16 @@ TEST(ControlSocket, ABarredProcessIsRefused) {
     EXPECT_FALSE(front.say("stop")) << "it was closed";
   }
   EXPECT_TRUE(served.commands.empty());
+}
+
+TEST(ControlSocket, ABurdenedMessageIsNotTaken) {
+  Served served;
+  Caller caller;
+  const std::array descriptor{STDERR_FILENO};
+  ASSERT_TRUE(haptic::server::send(caller.descriptor(), 'x', descriptor));
+  served.socket.turn(kStart);
+  EXPECT_TRUE(served.commands.empty()) << "to close what it brings may take long";
+  EXPECT_FALSE(caller.say("stop")) << "it was closed";
 }
 
 TEST(ControlSocket, StrangersStopButClearNothing) {

@@ -88,9 +88,12 @@ std::shared_ptr<spdlog::details::thread_pool>& pool() {
 
 std::unique_ptr<spdlog::formatter> log_formatter(LogFormat format, bool for_journal) {
   const std::string time = "%Y-%m-%dT%H:%M:%S.%e%z";
-  const std::string line = format == LogFormat::kJson
-                               ? R"({"time":")" + time + R"(","level":"%l","message":%*})"
-                               : time + " %l %*";
+  std::string line = time + " %l %*";
+  if (format == LogFormat::kJson) {
+    line = R"({"time":")" + time + R"(","level":"%l","message":%*})";
+  } else if (format == LogFormat::kBare) {
+    line = "%&%*";
+  }
   auto formatter = std::make_unique<spdlog::pattern_formatter>();
   formatter->add_flag<Flag>('&', syslog_priority);
   formatter->add_flag<Flag>('*', [format](const spdlog::details::log_msg& message) {

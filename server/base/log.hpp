@@ -17,9 +17,11 @@
 
 namespace haptic::server {
 
-enum class LogFormat : std::uint8_t { kText, kJson };
+/// kBare: the priority and the message, for the owner, which logs what its front says.
+enum class LogFormat : std::uint8_t { kText, kJson, kBare };
 
-/// `for_journal`: each line begins with "<N>", its syslog priority, which journald takes off.
+/// `for_journal`, and kBare: each line begins with "<N>", its syslog priority, which journald takes
+/// off.
 [[nodiscard]] std::unique_ptr<spdlog::formatter> log_formatter(LogFormat format, bool for_journal);
 
 /// systemd connected standard error to the journal ($JOURNAL_STREAM names the same stream).

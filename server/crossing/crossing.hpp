@@ -1,7 +1,7 @@
 #pragma once
 /// Every value that crosses between the owner of the devices (the loop, sessions and their rights)
-/// and the front (what faces the network). Each is trivially copyable and has a fixed layout: it
-/// can lie in memory that two processes share. Nothing here points, owns or calls.
+/// and the front (what faces the network). Each is trivially copyable and has a fixed layout: its
+/// bytes can go to another process. Nothing here points, owns or calls.
 ///
 ///   front -> owner   Request with an id; ProxySample, PoseSample
 ///   owner -> front   Answer with the request's id; Judged; DeviceEvent, SerialisedState and status
@@ -72,7 +72,7 @@ struct ProxySample {
   Coordinates position{};
   std::array<PlaneSample, core::kMaxPlanes> planes{};
 
-  /// The bytes before the planes, and those up to the last plane that it has (Inbox).
+  /// The bytes before the planes, and those up to the last plane that it has: these alone cross.
   [[nodiscard]] static std::size_t head_bytes() noexcept { return offsetof(ProxySample, planes); }
   [[nodiscard]] std::size_t told_bytes() const noexcept {
     return head_bytes() + std::min<std::size_t>(plane_count, planes.size()) * sizeof(PlaneSample);

@@ -37,7 +37,6 @@ struct FrontConfig {
 
   std::string scene{};               ///< its name
   std::string log_level{"info"};     ///< as --log-level
-  std::string log_format{"text"};    ///< as --log-format
   std::vector<Address> addresses{};  ///< gRPC's, then browsers', then the metrics'
   std::string udp_listen{};          ///< as bound; empty: there is no UDP path
   std::uint32_t max_sessions{32};    ///< session streams; and, apart from them, watches

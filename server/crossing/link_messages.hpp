@@ -1,14 +1,16 @@
 #pragma once
-/// Messages between a front and the owner on their socket.
+/// Messages between a front and the owner on their socket. Samples and stops have another one
+/// (sample_socket.hpp).
 ///
 ///   front                         owner
 ///   kHello, its layout   ------>  refuses another layout
-///                        <------  kWelcome, with the shared pages, the configuration, and the
-///                                 sockets and files that the owner opened for it
+///                        <------  kWelcome, with the owner's pages, the socket for samples, the
+///                                 configuration, and the files that the owner opened for it
 ///   kReady               ------>  the front before it is told to leave, and awaited
-///                        <------  kGo: serve
+///                        <------  kGo, with the sockets: serve
 ///   kServing             ------>
 ///   kRequest             ------>  answered in OwnersPages::answers
+///   kBeat, its counters  ------>  four times a second
 ///                        <------  kLeave: end the streams, then the process
 ///
 /// kCannotServe comes instead of kReady or kServing, with the reason: a front that is to take
@@ -17,26 +19,28 @@
 #include <cstdint>
 
 #include "server/crossing/crossing.hpp"
+#include "server/crossing/sample_socket.hpp"
 #include "server/crossing/shared_layout.hpp"
 
 namespace haptic::server {
 
 struct FrontMessage {
-  enum class Kind : std::uint8_t { kHello, kReady, kServing, kCannotServe, kRequest };
+  enum class Kind : std::uint8_t { kHello, kReady, kServing, kCannotServe, kRequest, kBeat };
   Kind kind{Kind::kHello};
-  std::uint64_t layout{0};  ///< kHello: layout_hash()
-  Text<512> text{};         ///< kCannotServe: why; kReady: warnings, a line each
-  Request request{};        ///< kRequest
+  std::uint64_t layout{0};   ///< kHello: layout_hash()
+  Text<512> text{};          ///< kCannotServe: why; kReady: warnings, a line each
+  Request request{};         ///< kRequest
+  FrontCounters counters{};  ///< kBeat: what this front has counted so far
 };
 
 struct OwnerMessage {
   enum class Kind : std::uint8_t { kWelcome, kGo, kLeave };
-  /// Descriptors of kWelcome, in this order; FrontStart's sockets and files follow.
+  /// Descriptors of kWelcome, in this order; FrontStart's files follow. Those of kGo are its
+  /// sockets.
   enum : std::size_t {
     kOwnersPages,
-    kFrontsPages,
-    kWakesOwner,
-    kConfig,  ///< FrontConfig as bytes
+    kSamples,  ///< its end of the socket for samples
+    kConfig,   ///< FrontConfig as bytes
     kDescriptors
   };
   Kind kind{Kind::kWelcome};
@@ -47,8 +51,9 @@ struct OwnerMessage {
 /// A number that differs, with all likelihood, if two programs were built from different layouts.
 [[nodiscard]] consteval std::uint64_t layout_hash() noexcept {
   std::uint64_t hash = kInterface;
-  for (const std::uint64_t part : {layout<OwnersPages>(), layout<FrontsPages>(),
-                                   layout<FrontMessage>(), layout<OwnerMessage>()}) {
+  for (const std::uint64_t part :
+       {layout<OwnersPages>(), layout<FrontMessage>(), layout<OwnerMessage>(),
+        layout<ProxySample>(), layout<PoseSample>(), layout<StopAhead>()}) {
     hash = hash * 1099511628211ULL ^ part;
   }
   return hash;

@@ -1,6 +1,6 @@
 #pragma once
 /// The two sides of the crossing as calls that carry the values of crossing.hpp. hapticd's halves
-/// are two processes, which pass the same values through shared memory and a socket (FrontLink,
+/// are two processes, which pass the same values through memory and sockets (FrontLink,
 /// OwnerLink); a test program may join an owner and a front in one process.
 
 #include <memory>

@@ -1,6 +1,7 @@
 #pragma once
-/// Memory that the owner and a front share, byte by byte. Two programs of different builds must
-/// agree on it: a front names its layout in its first message, and the owner refuses another one.
+/// Memory that the owner writes and a front reads, byte by byte. Two programs of different builds
+/// must agree on it: a front names its layout in its first message, and the owner refuses another
+/// one. There is no memory that a front writes.
 
 #include <atomic>
 #include <cstddef>
@@ -8,7 +9,6 @@
 
 #include "server/crossing/broadcast.hpp"
 #include "server/crossing/crossing.hpp"
-#include "server/crossing/inbox.hpp"
 #include "server/crossing/layout.hpp"
 #include "server/crossing/server_facts.hpp"
 #include "server/crossing/tick_totals.hpp"
@@ -28,10 +28,6 @@ struct Held<Latest<T>> {
 };
 template <typename T, std::size_t N>
 struct Held<Broadcast<T, N>> {
-  using Type = T;
-};
-template <typename T, std::size_t N>
-struct Held<Inbox<T, N>> {
   using Type = T;
 };
 
@@ -76,16 +72,5 @@ inline constexpr std::uint64_t kRetold = 256;
 /// overwritten before it was read.
 inline constexpr std::size_t kMostOpenRequests = 256;
 inline constexpr std::size_t kMostOpenStops = 32;
-
-/// From one front to the owner: pages that the front can write at any time and in any way.
-struct FrontsPages {
-  std::atomic<std::uint64_t> beats;  ///< rises four times a second while the front works
-  /// Rises before a stop of the device is sent as a request: the owner stops the device at once if
-  /// requests wait in front of it.
-  std::array<std::atomic<std::uint32_t>, kMostDevices> stops;
-  std::array<std::atomic<std::uint64_t>, kFrontCounters> counters;
-  Inbox<ProxySample, 256> proxies;
-  Inbox<PoseSample, 64> poses;
-};
 
 }  // namespace haptic::server

@@ -22,22 +22,24 @@ constexpr int kFixedSize = F_SEAL_SHRINK | F_SEAL_GROW;
 
 }  // namespace
 
-SharedMemory::SharedMemory(const char* name, std::size_t bytes, Access of_the_other)
+SharedMemory::SharedMemory(const char* name, std::size_t bytes)
     : descriptor_(memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING)), bytes_(bytes) {
   if (!descriptor_ || ftruncate(descriptor_.get(), static_cast<off_t>(bytes)) != 0) {
     fail("cannot be made");
   }
-  map(Access::kReadAndWrite);
+  map(PROT_READ | PROT_WRITE);
   // Every page now: no write waits for one later, and this process does not grow by use. Memory
   // that is locked as it is touched ignores MAP_POPULATE.
   std::memset(data_, 0, bytes_);
-  // F_SEAL_FUTURE_WRITE spares the mapping that exists already: this process's own.
-  const int seals = of_the_other == Access::kRead ? kFixedSize | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL
-                                                  : kFixedSize | F_SEAL_SEAL;
-  if (fcntl(descriptor_.get(), F_ADD_SEALS, seals) != 0) fail("cannot be sealed");
+  // F_SEAL_FUTURE_WRITE spares the mapping that exists already: this process's own. It forbids
+  // holes too.
+  if (fcntl(descriptor_.get(), F_ADD_SEALS, kFixedSize | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL) != 0) {
+    fail("cannot be sealed");
+  }
+  descriptor_ = for_reader();  // no process holds it for writing, this one included
 }
 
-SharedMemory::SharedMemory(Descriptor descriptor, std::size_t bytes, Access access)
+SharedMemory::SharedMemory(Descriptor descriptor, std::size_t bytes)
     : descriptor_(std::move(descriptor)), bytes_(bytes) {
   struct stat status {};
   if (fstat(descriptor_.get(), &status) != 0) fail("no descriptor");
@@ -49,7 +51,7 @@ SharedMemory::SharedMemory(Descriptor descriptor, std::size_t bytes, Access acce
   if (seals < 0 || (seals & kFixedSize) != kFixedSize) {
     throw core::TransportError("shared memory: its size must be fixed");
   }
-  map(access);
+  map(PROT_READ);
 }
 
 SharedMemory::SharedMemory(SharedMemory&& other) noexcept
@@ -68,8 +70,14 @@ SharedMemory::~SharedMemory() {
   if (data_ != nullptr) munmap(data_, bytes_);
 }
 
-void SharedMemory::map(Access access) {
-  const int protection = access == Access::kRead ? PROT_READ : PROT_READ | PROT_WRITE;
+Descriptor SharedMemory::for_reader() const {
+  const std::string link = "/proc/self/fd/" + std::to_string(descriptor_.get());
+  Descriptor opened(open(link.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!opened) fail("cannot be opened for a reader");
+  return opened;
+}
+
+void SharedMemory::map(int protection) {
   void* const mapped = mmap(nullptr, bytes_, protection, MAP_SHARED, descriptor_.get(), 0);
   if (mapped == MAP_FAILED) fail("cannot be mapped");
   data_ = mapped;

@@ -1,5 +1,5 @@
 #pragma once
-/// Memory that two processes share, as a file descriptor that one hands to the other.
+/// Memory that one process writes and others read, as a file descriptor that it hands to them.
 
 #include <cstddef>
 #include <utility>
@@ -11,25 +11,23 @@ namespace haptic::server {
 /// Pages that are mapped as long as the object lives. All throw core::TransportError.
 class SharedMemory {
  public:
-  enum class Access { kRead, kReadAndWrite };
-
   SharedMemory() = default;
-  /// New memory, zeroed, in place and writable here, whose size is fixed. kRead: no other process
-  /// can ever map it writable, not even with this descriptor.
-  SharedMemory(const char* name, std::size_t bytes, Access of_the_other);
-  /// Memory that the other process made; refused if it is not of this size or could still shrink,
-  /// because a page that is gone would end this process.
-  SharedMemory(Descriptor descriptor, std::size_t bytes, Access access);
+  /// New memory, zeroed, in place and writable here and nowhere else, whose size is fixed.
+  SharedMemory(const char* name, std::size_t bytes);
+  /// Memory that another process made, to be read; refused if it is not of this size or could still
+  /// shrink, because a page that is gone would end this process.
+  SharedMemory(Descriptor descriptor, std::size_t bytes);
   SharedMemory(SharedMemory&& other) noexcept;
   SharedMemory& operator=(SharedMemory&& other) noexcept;
   ~SharedMemory();
 
   [[nodiscard]] void* data() const noexcept { return data_; }
   [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
-  [[nodiscard]] int descriptor() const noexcept { return descriptor_.get(); }
+  /// For a reader: opened for it alone, so that what it does to its flags is its own affair.
+  [[nodiscard]] Descriptor for_reader() const;
 
  private:
-  void map(Access access);
+  void map(int protection);
 
   Descriptor descriptor_{};
   std::size_t bytes_{0};

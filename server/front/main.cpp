@@ -34,7 +34,7 @@ constexpr haptic::core::Duration kCallsGrace = std::chrono::seconds(1);
 
 /// Has a thread.
 void begin_log(const FrontConfig& config) {
-  log_to_stderr(config.log_format == "json" ? LogFormat::kJson : LogFormat::kText);
+  log_to_stderr(LogFormat::kBare);
   spdlog::set_level(spdlog::level::from_str(config.log_level));
 }
 
@@ -71,7 +71,9 @@ void serve(OwnerLink& owner) {
   std::string warnings;
   for (const std::string& one : server.warnings()) warnings += (warnings.empty() ? "" : "\n") + one;
   owner.say({.kind = FrontMessage::Kind::kReady, .text = warnings});
-  if (!owner.wait_for_go()) return;
+  auto sockets = owner.wait_for_go();
+  if (!sockets) return;
+  server.take(std::move(*sockets));
   owner.begin();
   server.start();
   owner.say({.kind = FrontMessage::Kind::kServing});

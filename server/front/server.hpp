@@ -54,6 +54,8 @@ class FrontServer {
   FrontServer(const FrontServer&) = delete;
   FrontServer& operator=(const FrontServer&) = delete;
 
+  /// Before start(), instead of FrontStart::sockets.
+  void take(std::vector<Descriptor> sockets) { sockets_ = std::move(sockets); }
   /// Once: serves. Throws core::TransportError: too few descriptors or threads are allowed.
   void start();
   /// Refuses new calls, ends streams (UNAVAILABLE), waits for at most `grace`, then cuts what is

@@ -76,8 +76,7 @@ void App::start() {
     front_ = make_front_(*this);
     front_->start();
     telemetry_->start();
-    loop_->begin(pointers(units_), telemetry_->bell(), pacing_samples(),
-                 [front = front_.get()]() noexcept { front->before_tick(); });
+    loop_->begin(pointers(units_), telemetry_->bell(), pacing_samples());
   } catch (...) {
     stop();
     throw;

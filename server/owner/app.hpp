@@ -5,12 +5,12 @@
 /// | thread     | what it owns                                    | how it stops                 |
 /// |------------|-------------------------------------------------|------------------------------|
 /// | main       | the App; waits for signals                      | App::stop() returned         |
-/// | loop       | units: device read and write, pipeline; samples | every unit CLOSING, or 2.5 s |
-/// |            | that wait just before a tick                    |                              |
+/// | loop       | units: device read and write, pipeline          | every unit CLOSING, or 2.5 s |
 /// | board I/O  | port and protocol of a board, one thread each   | Device::close(), 100 ms      |
 /// | telemetry  | reading end of the rings; leases' clock,        | Telemetry::stop(), after a   |
 /// |            | events, states to the front, recorder, log      | last drain                   |
-/// | front link | requests, other samples, fronts' lives          | FrontLink::stop(), 1.5 s     |
+/// | front link | requests, samples, fronts' lives                | FrontLink::stop(), 1.5 s     |
+/// | link watch | ends the front if the front link does not turn  | after the front link         |
 /// | local      | local control socket: stops, clears, health     | after the front link         |
 /// | control    |                                                 |                              |
 ///
@@ -47,8 +47,6 @@ class FrontRunner {
   virtual void start() = 0;
   /// Ends streams and calls. Idempotent.
   virtual void stop() = 0;
-  /// The loop's thread, just before each tick: neither waits nor allocates.
-  virtual void before_tick() noexcept {}
   /// A new one takes its place.
   virtual void restart() {}
   /// The addresses that were bound, ports filled in.

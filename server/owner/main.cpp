@@ -109,6 +109,18 @@ class EndOfALongStart {
   std::jthread thread_;
 };
 
+/// Ends this process, with status 1, if it has not ended by then: a front, its launcher or a file
+/// must not hold a stop up. Force is gone and devices are disarmed long before.
+void end_within(std::chrono::milliseconds most) {
+  std::thread([most] {
+    haptic::server::set_thread_up("end");
+    std::this_thread::sleep_for(most);
+    spdlog::error("a part of hapticd does not end: it is left");
+    haptic::server::finish_log();
+    _exit(1);
+  }).detach();
+}
+
 /// Opens /dev/null for each standard stream that is closed; otherwise the next file that is opened,
 /// such as a serial port, would get the number of the log and receive its lines.
 void hold_standard_streams() {
@@ -164,6 +176,7 @@ int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& 
   auto manager = haptic::server::ServiceManager::of_environment();
   manager.ready(app.realtime().facts.grade.str() + ": " + app.realtime().facts.explanation.str());
   const int signal = wait_for_end(signals, app, manager);
+  end_within(std::chrono::milliseconds(4500));
   manager.stopping();
   spdlog::info("SIG{}: force fades out, devices are disarmed", sigabbrev_np(signal));
   app.stop();

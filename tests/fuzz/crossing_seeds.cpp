@@ -71,7 +71,7 @@ std::vector<FuzzBytes> seeds() {
   const auto ask = [](FuzzBytes& input, Kind kind, std::uint8_t whose = 0) {
     input.insert(input.end(), {kRequest, static_cast<std::uint8_t>(kind), whose, 0, 0});
   };
-  const FuzzBytes turn{kTurn, 0, 39, 16, 0}, tick{kTick, 0, 2, 1};
+  const FuzzBytes turn{kTurn, 0, 39, 16}, tick{kTick, 0, 2, 1};
   const auto append = [](FuzzBytes& input, const FuzzBytes& more) {
     input.insert(input.end(), more.begin(), more.end());
   };
@@ -118,10 +118,9 @@ std::vector<FuzzBytes> seeds() {
   append(tracks, turn);
   append(tracks, {kPose, 0, 0});
   append(tracks, turn);
-  // Heads far away, a stop ahead of the queue, a message of another size.
-  append(lies, {kPoke, 0, 0, 0, 0, 8, 255, 255, 255, 255, 255, 255, 255, 255});
-  append(lies, {kSample, 0, kPoke, 1, 0, 0, 0, 8, 3, 0, 0, 0, 0, 0, 0, 128});
-  append(lies, {kPoke, 2, 0, 0, 0, 1, 1, kTurn, 0, 0, 0, 1, kJunk, 0, 5, 1, 2, 3, 4, 5});
+  // A stop ahead of its request, of a device that is none too, and messages of other sizes.
+  append(lies, {kSample, 0, kStop, 0, kStop, 77, kTurn, 0, 0, 0});
+  append(lies, {kJunk, 0, 0, 5, 1, 2, 3, 4, 5, kJunk, 1, 0, 9, 1, 0, 0, 0, 0, 0, 0, 0, 7});
   append(lies, turn);
   return {controls, asks_all, comes_back, tracks, lies, touches, wants};
 }

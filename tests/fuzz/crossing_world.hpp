@@ -1,13 +1,10 @@
 #pragma once
-/// An owner with one device, which has a tracked palm and an actuated slide, and a front's pages
-/// and socket, for crossing_target.cpp.
-
-#include <unistd.h>
+/// An owner with one device, which has a tracked palm and an actuated slide, and a front's sockets,
+/// for crossing_target.cpp.
 
 #include <algorithm>
 #include <memory>
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -57,12 +54,12 @@ class NoDevice final : public hw::Device {
 /// An input is a row of steps, each: one byte what, then its operands. A patch is a count (modulo
 /// 8) and as many places (2 bytes), sizes (1 byte) and bytes that are written over a value.
 enum FrontStep : std::uint8_t {
-  kSample,   ///< an honest sample of the proxy, patched, put into its inbox
+  kSample,   ///< an honest sample of the proxy, patched and sent
   kPose,     ///< an honest pose, patched
   kRequest,  ///< kind, whose (an index), device or what to resume; the message is patched and sent
-  kPoke,     ///< where (the heads, stops, anywhere), size, bytes: into the pages
-  kJunk,     ///< size (2 bytes), bytes: a message
-  kTurn,     ///< microseconds (3 bytes), whether messages wait: the owner reads
+  kStop,     ///< device: ahead of its request
+  kJunk,     ///< on which socket, size (2 bytes), bytes: a message
+  kTurn,     ///< microseconds (3 bytes): the owner reads
   kTick,     ///< how many ticks, state, what the loop answers
   kSteps
 };
@@ -79,8 +76,7 @@ struct World {
   World() {
     begin();
     publisher = std::make_shared<Publisher>(*owner, [](const Answer&) {});
-    read_pages = SharedMemory(Descriptor(dup(publisher->descriptor())), OwnersPages::bytes(1),
-                              SharedMemory::Access::kRead);
+    read_pages = SharedMemory(publisher->memory().for_reader(), OwnersPages::bytes(1));
   }
 
   void begin() {
@@ -92,9 +88,12 @@ struct World {
       owner->connect(publisher);
       publisher->forget_answers();
     }
-    for (const auto& bytes : written) std::fill(bytes.begin(), bytes.end(), std::uint8_t{0});
-    written.clear();
-    front.stops.assign(kMostDevices, 0);
+    for (const auto& socket : {&front.link, &front.samples}) {
+      while (look_at_next(socket->get()).what == Received::kMessage) {
+        static_cast<void>(take_bytes(socket->get(), {}));
+      }
+    }
+    front.stops.clear();
     static_cast<void>(unit.proxies.take());
     static_cast<void>(unit.poses.take());
     static_cast<void>(unit.commands.take());
@@ -106,7 +105,6 @@ struct World {
   std::shared_ptr<Publisher> publisher{};
   SharedMemory read_pages{};
   FrontProcess front{1, core::TimePoint{}};
-  std::vector<std::span<std::uint8_t>> written{};  ///< of the front's pages
   ProxySample sample{kHonest};
   std::vector<std::pair<std::size_t, std::size_t>> patched{};  ///< places and sizes in the sample
   FrontMessage message{};

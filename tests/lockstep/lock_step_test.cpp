@@ -136,7 +136,7 @@ class InProcess final : public Way {
                                .arrival = server.now(),
                                .mode = seq_ == 1 ? core::ProxyMode::kFree : core::ProxyMode::kHeld,
                                .position = {x.data(), x.size()}};
-    static_cast<void>(server.owner().accept(sample, server.owner().turn()));
+    static_cast<void>(server.owner().accept(sample));
   }
   void ask_for_force(Server& server) override {
     server.front().engage(

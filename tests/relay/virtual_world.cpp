@@ -188,7 +188,7 @@ void VirtualWorld::accept(wire::ConstBytes bytes, server::Carrier carrier) {
   sample.carrier = carrier;
   sample.left = left;
   sample.arrival = rig.now;
-  const server::Verdict verdict = rig.owner->accept(sample, rig.owner->turn());
+  const server::Verdict verdict = rig.owner->accept(sample);
   if (verdict.used()) {
     last_accepted = rig.now;
     ++accepted;

@@ -159,6 +159,17 @@ class Fronts(unittest.TestCase):
         daemon.process.kill()
         until("the front has ended", lambda: not front.exists())
 
+    def test_a_stopped_launcher_is_named(self) -> None:
+        daemon = self.hapticd()
+        front = daemon.address() and daemon.front()
+        launcher = next(iter(children(daemon.process.pid)))
+        os.kill(launcher, signal.SIGSTOP)
+        os.kill(front, signal.SIGKILL)
+        daemon.until_said(rf"launcher of the front does not answer \(process {launcher}\)")
+        os.kill(launcher, signal.SIGCONT)
+        daemon.until_said("answers again")
+        daemon.until_said("front number 2 serves")
+
     def test_a_lost_launcher_ends_hapticd(self) -> None:
         daemon = self.hapticd()
         daemon.until_said("INIT -> IDLE")

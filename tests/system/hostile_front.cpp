@@ -3,8 +3,8 @@
 // it was not ("GOT IN: ...").
 //
 //   pages     writes to pages that it may only read
-//   junk      for as long as it lives: random bytes in its own pages, requests and messages
-//   stop      keeps the queue of requests full, and raises the stop that goes ahead of it
+//   junk      for as long as it lives: random bytes as samples, requests and messages
+//   stop      keeps the queue of requests full, and sends the stop that goes ahead of it
 //   layout    names another layout
 //   silent    says nothing
 //   unbound   is told to bind, and never serves
@@ -13,7 +13,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sched.h>
-#include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -74,23 +73,20 @@ void attack_pages(Link& link) {
   refused("to open them again for writing",
           open(("/proc/self/fd/" + std::to_string(pages)).c_str(), O_RDWR) >= 0 &&
               mmap(nullptr, 4096, PROT_WRITE, MAP_SHARED, pages, 0) != MAP_FAILED);
-  refused("to shrink its own",
-          ftruncate(link.descriptors[OwnerMessage::kFrontsPages].get(), 0) == 0);
   // And last the write that ends it: SIGSEGV, which hapticd reports.
   *static_cast<volatile char*>(mapped) = 1;
 }
 
 [[noreturn]] void send_junk(Link& link) {
-  SharedMemory own(std::move(link.descriptors[OwnerMessage::kFrontsPages]), sizeof(FrontsPages),
-                   SharedMemory::Access::kReadAndWrite);
-  const int bell = link.descriptors[OwnerMessage::kWakesOwner].get();
+  const int samples = link.descriptors[OwnerMessage::kSamples].get();
   std::mt19937_64 random(1);
-  auto* const words = static_cast<std::uint64_t*>(own.data());
-  for (std::uint64_t round = 0;; ++round) {
-    for (int i = 0; i < 4096; ++i) {
-      words[random() % (sizeof(FrontsPages) / sizeof(std::uint64_t))] = random();
-    }
-    eventfd_write(bell, 1);
+  ProxySample sample;
+  auto* const words = reinterpret_cast<std::uint64_t*>(&sample);
+  for (;;) {
+    for (std::size_t i = 0; i < sizeof sample / sizeof(std::uint64_t); ++i) words[i] = random();
+    sample.plane_count = static_cast<std::uint32_t>(random() % 34);
+    if (random() % 2 == 0) sample.device = 0;
+    send_sample(samples, SampleKind::kProxy, sample);
     FrontMessage message;
     auto* const bytes = reinterpret_cast<unsigned char*>(&message);
     for (std::size_t i = 0; i < sizeof message; ++i)
@@ -108,15 +104,16 @@ void attack_pages(Link& link) {
 
 /// The queue never runs empty: only the stop of its own slot can be obeyed.
 [[noreturn]] void stop_ahead_of_a_queue(Link& link) {
-  SharedMemory own(std::move(link.descriptors[OwnerMessage::kFrontsPages]), sizeof(FrontsPages),
-                   SharedMemory::Access::kReadAndWrite);
   FrontMessage clear;
   clear.kind = FrontMessage::Kind::kRequest;
   clear.request.kind = Request::Kind::kClear;
   for (clear.request.id = 1000;; ++clear.request.id) {
     while (!send(kLink, clear)) sched_yield();
     // Not before the queue is full for the first time.
-    if (clear.request.id == 3000) static_cast<FrontsPages*>(own.data())->stops[0].fetch_add(1);
+    if (clear.request.id == 3000) {
+      send_sample(link.descriptors[OwnerMessage::kSamples].get(), SampleKind::kStopAhead,
+                  StopAhead{0, "ahead of the requests that wait"});
+    }
   }
 }
 

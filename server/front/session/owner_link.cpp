@@ -2,7 +2,6 @@
 
 #include <linux/futex.h>
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -13,13 +12,15 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
+#include "server/base/steady_now.hpp"
 #include "server/base/thread_setup.hpp"
 
 namespace haptic::server {
 namespace {
 
-/// A sign of life at least so often, also when nothing happens.
-constexpr timespec kBeat{0, 250'000'000};
+/// A sign of life so often, also when nothing happens.
+constexpr std::chrono::milliseconds kBeat{250};
+constexpr timespec kLongestWait{0, 100'000'000};
 /// The owner takes messages within a millisecond: it has ended if it does not take one for so long.
 constexpr int kPatienceMs = 5'000;
 
@@ -28,14 +29,14 @@ FrontConfig read_config(Descriptor& memory, std::uint64_t bytes) {
     throw core::TransportError("front configuration: has " + std::to_string(bytes) +
                                " bytes: must have at most " + std::to_string(kLargestConfig));
   }
-  const SharedMemory mapped(std::move(memory), bytes, SharedMemory::Access::kRead);
+  const SharedMemory mapped(std::move(memory), bytes);
   return front_config({static_cast<const char*>(mapped.data()), bytes});
 }
 
-/// The descriptors from `begin` on.
-std::vector<Descriptor> part(std::vector<Descriptor>& all, std::size_t begin, std::size_t count) {
-  const auto first = std::make_move_iterator(all.begin() + static_cast<std::ptrdiff_t>(begin));
-  return {first, first + static_cast<std::ptrdiff_t>(count)};
+void check_count(const char* of, std::size_t has, const char* must, std::size_t wanted) {
+  if (has == wanted || (has > wanted && *must != '\0')) return;
+  throw core::TransportError(std::string("the owner's ") + of + ": has " + std::to_string(has) +
+                             " descriptors: must have " + must + std::to_string(wanted));
 }
 
 }  // namespace
@@ -52,23 +53,15 @@ FrontStart OwnerLink::hello() {
       welcome.kind != OwnerMessage::Kind::kWelcome) {
     throw core::TransportError("the owner does not want this front");
   }
-  if (descriptors.size() < OwnerMessage::kDescriptors) {
-    throw core::TransportError("the owner's welcome: has " + std::to_string(descriptors.size()) +
-                               " descriptors: must have at least " +
-                               std::to_string(OwnerMessage::kDescriptors));
-  }
+  check_count("welcome", descriptors.size(), "at least ", OwnerMessage::kDescriptors);
   generation_ = welcome.generation;
   FrontStart start;
   start.config = read_config(descriptors[OwnerMessage::kConfig], welcome.config_bytes);
-  const std::size_t sockets = sockets_of(start.config), files = files_of(start.config);
-  const std::size_t all = OwnerMessage::kDescriptors + sockets + files;
-  if (descriptors.size() != all) {
-    throw core::TransportError("the owner's welcome: has " + std::to_string(descriptors.size()) +
-                               " descriptors: must have " + std::to_string(all) +
-                               " for its configuration");
-  }
-  start.sockets = part(descriptors, OwnerMessage::kDescriptors, sockets);
-  start.files = part(descriptors, OwnerMessage::kDescriptors + sockets, files);
+  check_count("welcome", descriptors.size(), "",
+              OwnerMessage::kDescriptors + files_of(start.config));
+  sockets_ = sockets_of(start.config);
+  start.files.assign(std::make_move_iterator(descriptors.begin() + OwnerMessage::kDescriptors),
+                     std::make_move_iterator(descriptors.end()));
   take_pages(descriptors, start.config);
   return start;
 }
@@ -76,12 +69,9 @@ FrontStart OwnerLink::hello() {
 void OwnerLink::take_pages(std::vector<Descriptor>& descriptors, const FrontConfig& config) {
   devices_ = config.devices;
   seen_.resize(devices_.size());
-  own_ = SharedMemory(std::move(descriptors[OwnerMessage::kFrontsPages]), sizeof(FrontsPages),
-                      SharedMemory::Access::kReadAndWrite);
-  own_pages_ = static_cast<FrontsPages*>(own_.data());
-  wakes_owner_ = std::move(descriptors[OwnerMessage::kWakesOwner]);
+  samples_ = std::make_unique<SampleSender>(std::move(descriptors[OwnerMessage::kSamples]));
   owners_ = SharedMemory(std::move(descriptors[OwnerMessage::kOwnersPages]),
-                         OwnersPages::bytes(devices_.size()), SharedMemory::Access::kRead);
+                         OwnersPages::bytes(devices_.size()));
   pages_ = static_cast<const OwnersPages*>(owners_.data());
 }
 
@@ -106,25 +96,34 @@ bool OwnerLink::say(const FrontMessage& message) {
   return true;
 }
 
-OwnerMessage OwnerLink::hear() {
+std::optional<std::vector<Descriptor>> OwnerLink::wait_for_go() {
+  std::vector<Descriptor> sockets;
+  if (hear(sockets).kind != OwnerMessage::Kind::kGo) return std::nullopt;
+  check_count("go", sockets.size(), "", sockets_);
+  return sockets;
+}
+
+OwnerMessage OwnerLink::hear(std::vector<Descriptor>& brought) {
   for (;;) {
     pollfd wait{link_.get(), POLLIN, 0};
     poll(&wait, 1, -1);
     OwnerMessage message;
-    switch (receive(link_.get(), message)) {
+    switch (receive(link_.get(), message, &brought)) {
       case Received::kMessage:
         return message;
       case Received::kGone:
         return OwnerMessage{OwnerMessage::Kind::kLeave};
       case Received::kNothing:
       case Received::kOdd:
+      case Received::kBurdened:
         continue;
     }
   }
 }
 
 void OwnerLink::wait_for_leave() {
-  while (hear().kind != OwnerMessage::Kind::kLeave) continue;
+  std::vector<Descriptor> none;
+  while (hear(none).kind != OwnerMessage::Kind::kLeave) continue;
   leaving_.store(true);
 }
 
@@ -134,12 +133,21 @@ void OwnerLink::stop() {
 }
 
 FrontCounters OwnerLink::count(const FrontCounters& own) {
-  FrontCounters all = pages_->counted.value();
-  for (std::size_t i = 0; i < kFrontCounters; ++i) {
-    own_pages_->counters[i].store(own[i], std::memory_order_relaxed);
-    all[i] += own[i];
+  {
+    const std::lock_guard lock(mutex_);
+    own_ = own;
   }
+  beat();  // so that no later front counts from less than was shown
+  FrontCounters all = pages_->counted.value();
+  for (std::size_t i = 0; i < kFrontCounters; ++i) all[i] += own[i];
   return all;
+}
+
+void OwnerLink::beat() {
+  FrontMessage message{.kind = FrontMessage::Kind::kBeat};
+  const std::lock_guard lock(mutex_);
+  message.counters = own_;
+  send(link_.get(), message);
 }
 
 bool OwnerLink::may_open(const Request& request) {
@@ -164,11 +172,8 @@ void OwnerLink::refuse(const Request& request, const Refusal& why) {
 void OwnerLink::post(const Request& request) {
   using Kind = Request::Kind;
   if (leaving_.load() && (request.kind == Kind::kClose || request.kind == Kind::kLose)) return;
-  if (request.kind == Kind::kStop && request.device < kMostDevices) {
-    own_pages_->stops[request.device].fetch_add(1, std::memory_order_release);
-  }
-  if (!may_open(request)) {
-    wake_owner();  // a stop is obeyed all the same
+  if (request.kind == Kind::kStop) samples_->send(StopAhead{request.device, request.text});
+  if (!may_open(request)) {  // a stop is obeyed all the same
     return refuse(request, {Refusal::Code::kExhausted, "TOO_MANY_REQUESTS",
                             "too many requests wait for an answer"});
   }
@@ -181,27 +186,6 @@ void OwnerLink::post(const Request& request) {
          {Refusal::Code::kUnavailable, "NO_ANSWER", "the owner of the devices takes no requests"});
 }
 
-template <typename Box, typename Sample>
-void OwnerLink::put(Box& box, const Sample& sample) {
-  {
-    const std::lock_guard lock(samples_mutex_);
-    box.push(sample);
-  }
-  wake_owner();
-}
-
-void OwnerLink::post(const ProxySample& sample) {
-  put(own_pages_->proxies, sample);
-}
-
-void OwnerLink::post(const PoseSample& pose) {
-  put(own_pages_->poses, pose);
-}
-
-void OwnerLink::wake_owner() noexcept {
-  static_cast<void>(eventfd_write(wakes_owner_.get(), 1));
-}
-
 DeviceStatus OwnerLink::status(std::size_t device) const {
   return pages_->devices.at(device).status.value();
 }
@@ -210,9 +194,13 @@ void OwnerLink::run() noexcept {
   set_thread_up("owner link");
   while (!stopping_.load()) {
     const std::uint32_t heard = pages_->rings.load(std::memory_order_acquire);
-    own_pages_->beats.fetch_add(1, std::memory_order_relaxed);
+    if (const core::TimePoint now = steady_now(); now >= beat_due_) {
+      beat_due_ = now + kBeat;
+      beat();
+    }
+    samples_->flush();
     pass_on();
-    syscall(SYS_futex, &pages_->rings, FUTEX_WAIT, heard, &kBeat, nullptr, 0);
+    syscall(SYS_futex, &pages_->rings, FUTEX_WAIT, heard, &kLongestWait, nullptr, 0);
   }
 }
 

@@ -1,10 +1,10 @@
 #pragma once
-/// The front's side of the owner: an OwnerPort over the pages and the socket that the two processes
-/// share.
+/// The front's side of the owner: an OwnerPort over the owner's pages and two sockets.
 
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <unordered_set>
@@ -15,6 +15,8 @@
 #include "server/crossing/packet_socket.hpp"
 #include "server/crossing/ports.hpp"
 #include "server/crossing/shared_layout.hpp"
+#include "server/crossing/shared_memory.hpp"
+#include "server/front/session/sample_sender.hpp"
 
 namespace haptic::server {
 
@@ -23,14 +25,15 @@ class OwnerLink final : public OwnerPort {
   explicit OwnerLink(Descriptor link) : link_(std::move(link)) {}
   ~OwnerLink() override;
 
-  /// Once, before all else: says hello and waits for the welcome. Throws core::TransportError if
-  /// there is none, or if it does not hold together.
+  /// Once, before all else: says hello and waits for the welcome, which brings no sockets yet.
+  /// Throws core::TransportError if there is none, or if it does not hold together.
   [[nodiscard]] FrontStart hello();
 
   /// False: the owner does not take it.
   bool say(const FrontMessage& message);
-  /// Until the owner says Go; false: it said Leave, or is gone.
-  [[nodiscard]] bool wait_for_go() { return hear().kind == OwnerMessage::Kind::kGo; }
+  /// Until the owner says Go: the sockets to serve on. None: it said Leave, or is gone. Throws
+  /// core::TransportError if they are not as many as the configuration says.
+  [[nodiscard]] std::optional<std::vector<Descriptor>> wait_for_go();
   /// Answers, verdicts, events and states are passed on from now on, on a thread of its own.
   void begin();
   /// Returns when the owner says Leave, or is gone. From then on the owner itself knows that every
@@ -50,39 +53,38 @@ class OwnerLink final : public OwnerPort {
     return devices_;
   }
   void post(const Request& request) override;
-  void post(const ProxySample& sample) override;
-  void post(const PoseSample& pose) override;
+  void post(const ProxySample& sample) override { samples_->send(sample); }
+  void post(const PoseSample& pose) override { samples_->send(pose); }
   [[nodiscard]] DeviceStatus status(std::size_t device) const override;
 
  private:
   void take_pages(std::vector<Descriptor>& descriptors, const FrontConfig& config);
-  /// The owner's next message; kLeave if it is gone.
-  [[nodiscard]] OwnerMessage hear();
+  /// The owner's next message and what it brings; kLeave if it is gone.
+  [[nodiscard]] OwnerMessage hear(std::vector<Descriptor>& brought);
   [[nodiscard]] bool may_open(const Request& request);
   void refuse(const Request& request, const Refusal& why);
-  template <typename Box, typename Sample>
-  void put(Box& box, const Sample& sample);
   void run() noexcept;
+  void beat();
   void pass_on();
-  void wake_owner() noexcept;
 
   Descriptor link_;
-  Descriptor wakes_owner_{};
   std::uint32_t generation_{0};
-  SharedMemory owners_{}, own_{};
+  std::size_t sockets_{0};  ///< that Go must bring
+  SharedMemory owners_{};
   const OwnersPages* pages_{nullptr};
-  FrontsPages* own_pages_{nullptr};
+  std::unique_ptr<SampleSender> samples_{};
   std::vector<DeviceFacts> devices_{};
   std::atomic<bool> leaving_{false};
 
-  std::mutex samples_mutex_;  ///< gRPC's threads and the datagram path take turns
   std::mutex mutex_;
   std::unordered_set<std::uint64_t> open_{};  ///< requests that wait for an answer
+  FrontCounters own_{};                       ///< as count() was told
 
   // The thread's.
   Broadcast<Answer, 512>::Cursor answers_{};
   Broadcast<Happened, 512>::Cursor events_{};
   Broadcast<Judged, 2048>::Cursor judged_{};
+  core::TimePoint beat_due_{};
   std::vector<std::uint64_t> seen_{};  ///< of each device's states
   SerialisedState newest_{};
 

@@ -2,7 +2,6 @@
 
 #include <sched.h>
 #include <spdlog/spdlog.h>
-#include <sys/eventfd.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -25,6 +24,10 @@ constexpr core::Duration kLongestPause = 2s;
 constexpr core::Duration kLasted = 1s;
 /// At least so often the fronts' signs of life are looked at.
 constexpr int kLookEveryMs = 50;
+/// A front that was killed ends within this, or its launcher does not work.
+constexpr core::Duration kEnding = 500ms;
+/// No front is started while so many sockets of former ones are not closed yet.
+constexpr int kMostClosing = 8;
 
 std::string how_it_ended(int status) {
   if (WIFSIGNALED(status)) return std::string("was ended by SIG") + sigabbrev_np(WTERMSIG(status));
@@ -40,7 +43,6 @@ FrontLink::FrontLink(Owner& owner, Config config)
       publisher_(std::make_shared<Publisher>(
           owner, [this](const Answer& answer) { local_.on_answer(answer); })),
       local_(owner, [this](std::uint64_t reply_to) { restart_asked(reply_to); }),
-      wakes_(event_descriptor()),
       intake_(owner, *publisher_),
       requests_(owner, *publisher_) {
   owner_.connect(publisher_);
@@ -69,14 +71,15 @@ void FrontLink::listen_locally() {
 
 void FrontLink::stop() {
   stopping_.store(true);
-  static_cast<void>(eventfd_write(wakes_.get(), 1));
+  wakes_.wake();
   if (thread_.joinable()) thread_.join();
+  watch_.end();
   local_.stop();
 }
 
 void FrontLink::restart() {
   restart_wanted_.store(true);
-  static_cast<void>(eventfd_write(wakes_.get(), 1));
+  wakes_.wake();
 }
 
 std::vector<std::string> FrontLink::addresses() const {
@@ -90,7 +93,8 @@ void FrontLink::run() noexcept {
   bool told_to_leave = false;
   for (;;) {
     turn();
-    keep_within_budget();
+    watch_.turned();
+    share_.rest(now_);
     if (!stopping_.load()) continue;
     if (!std::exchange(told_to_leave, true)) {
       if (next_) end(*next_, "hapticd stops");
@@ -101,14 +105,16 @@ void FrontLink::run() noexcept {
 }
 
 void FrontLink::wait_for_news() {
-  wait_.assign(1, {wakes_.get(), POLLIN, 0});
+  wait_.assign(1, {wakes_.descriptor(), POLLIN, 0});
   if (config_.launcher != nullptr && !told_lost_) {
     wait_.push_back({config_.launcher->descriptor(), POLLIN, 0});
   }
   for (const Place* place : {&current_, &next_}) {
     if (!*place) continue;
-    if ((*place)->link) wait_.push_back({(*place)->link.get(), POLLIN, 0});
-    wait_.push_back({(*place)->wakes_owner.get(), POLLIN, 0});
+    wait_.push_back({(*place)->log.descriptor(), POLLIN, 0});  // poll() passes over -1
+    if ((*place)->stage == Stage::kKilled) continue;
+    wait_.push_back({(*place)->link.get(), POLLIN, 0});
+    if ((*place)->is_heard()) wait_.push_back({(*place)->samples.get(), POLLIN, 0});
   }
   poll(wait_.data(), wait_.size(), kLookEveryMs);
 }
@@ -116,15 +122,10 @@ void FrontLink::wait_for_news() {
 void FrontLink::turn() {
   wait_for_news();
   now_ = steady_now();
-  if (intake_.take()) static_cast<void>(eventfd_write(wakes_.get(), 1));
   for (const Place* place : {&current_, &next_}) {
-    if (!*place) continue;
-    FrontProcess& front = **place;
-    front.hear();
-    if (!take_messages(front)) end(front, wrong_);
-    requests_.take_stops(front, now_);
+    if (*place && !hear(**place)) end(**place, wrong_);
   }
-  empty(wakes_);
+  wakes_.forget();
   if (const std::uint64_t reply_to = restart_asked_.exchange(0)) restart_for(reply_to);
   if (config_.launcher != nullptr) {
     notices();
@@ -136,7 +137,7 @@ void FrontLink::turn() {
 /// Any thread.
 void FrontLink::restart_asked(std::uint64_t reply_to) {
   local_.answer(restart_asked_.exchange(reply_to), "refused: another restart was asked for");
-  static_cast<void>(eventfd_write(wakes_.get(), 1));
+  wakes_.wake();
 }
 
 void FrontLink::restart_for(std::uint64_t reply_to) {
@@ -150,21 +151,32 @@ void FrontLink::restart_for(std::uint64_t reply_to) {
   start_front();
 }
 
-void FrontLink::start_front() {
+template <typename Act>
+bool FrontLink::try_to(const Act& act) {
   try {
-    next_ = std::make_unique<FrontProcess>(++generation_, now_);
-    config_.launcher->start(std::move(next_->its_link));
+    return act();
   } catch (const std::exception& error) {
     wrong_ = error.what();
-    if (next_) next_->gone = true;
+    return false;
   }
+}
+
+void FrontLink::start_front() {
+  const bool started = try_to([this] {
+    next_ = std::make_unique<FrontProcess>(++generation_, now_);
+    config_.launcher->start(std::move(next_->its_link), std::move(next_->its_log));
+    return true;
+  });
+  if (!started && next_) next_->gone = true;
 }
 
 void FrontLink::notices() {
   while (const auto notice = config_.launcher->next()) {
+    if (notice->kind == Launcher::Notice::Kind::kHere) continue;
     if (notice->kind == Launcher::Notice::Kind::kStarted) {
       if (!next_ || next_->pid != 0) continue;
       next_->pid = notice->pid;
+      alive_[generation_ % 2].store(notice->pid);
       facts_due_ = now_;
       if (next_->stage == Stage::kKilled) config_.launcher->kill(notice->pid);
       continue;
@@ -195,7 +207,6 @@ void FrontLink::look_after() {
       clear_away(*place);
       continue;
     }
-    front.look(now_);
     const core::Duration in_stage = now_ - front.since;
     const bool starts = front.stage == Stage::kStarting || front.stage == Stage::kPreparing ||
                         front.stage == Stage::kOpening;
@@ -205,22 +216,32 @@ void FrontLink::look_after() {
     }
     if (front.stage == Stage::kLeaving && in_stage > kLeaving)
       end(front, "hapticd-front does not leave");
+    if (front.stage == Stage::kKilled && stopping_.load() && in_stage > kEnding) {
+      config_.launcher->end();  // it does not obey either
+    }
   }
+  watch_launcher();
   tell_to_go();
   if (stopping_.load() || told_lost_) return;
   if (restart_wanted_.exchange(false) && !next_ && current_) start_front();
-  if (!current_ && !next_ && now_ >= start_at_) start_front();
+  if (!current_ && !next_ && now_ >= start_at_ && closing_aside() < kMostClosing) start_front();
 }
 
 bool FrontLink::welcome(FrontProcess& front) {
-  try {
-    const FrontStart start = config_.hand_over->start();
+  return try_to([&] {
+    const std::vector<Descriptor> files = config_.hand_over->files();
     wrong_ = "hapticd-front does not listen";
-    return front.welcome(publisher_->descriptor(), front_config_, start);
-  } catch (const std::exception& error) {
-    wrong_ = error.what();
-    return false;
-  }
+    return front.welcome(publisher_->memory(), front_config_, files);
+  });
+}
+
+bool FrontLink::go(FrontProcess& front) {
+  return try_to([&] {
+    Listeners& listeners = config_.hand_over->listeners();
+    listeners.check();
+    wrong_ = "hapticd-front does not listen";
+    return front.go(listeners.sockets());
+  });
 }
 
 void FrontLink::tell_to_go() {
@@ -231,13 +252,12 @@ void FrontLink::tell_to_go() {
   }
   current_ = std::move(next_);
   current_->enter(Stage::kOpening, now_);
-  send(current_->link.get(), OwnerMessage{OwnerMessage::Kind::kGo});
+  if (!go(*current_)) end(*current_, wrong_);
 }
 
 void FrontLink::leave(FrontProcess& front) {
   send(front.link.get(), OwnerMessage{OwnerMessage::Kind::kLeave});
   front.enter(Stage::kLeaving, now_);
-  choose_samples();
 }
 
 void FrontLink::end(FrontProcess& front, const std::string& why) {
@@ -247,8 +267,6 @@ void FrontLink::end(FrontProcess& front, const std::string& why) {
   }
   if (front.pid > 0) config_.launcher->kill(front.pid);
   front.enter(Stage::kKilled, now_);
-  choose_samples();
-  front.link = Descriptor();
 }
 
 void FrontLink::clear_away(Place& place) {
@@ -256,15 +274,10 @@ void FrontLink::clear_away(Place& place) {
   const bool lasted =
       place->served_since != core::TimePoint{} && now_ - place->served_since > kLasted;
   const bool told = place->stage == Stage::kLeaving;
-  if (place->link) {
-    // Takes what it sent before it ended, stops above all.
-    static_cast<void>(take_messages(*place));
-  }
-  for (std::size_t i = 0; i < kFrontCounters; ++i) {
-    counted_[i] += place->pages.counters[i].load(std::memory_order_relaxed);
-  }
+  for (int i = 0; i < 32 && hear(*place); ++i) continue;  // what it sent before, stops above all
+  for (std::size_t i = 0; i < kFrontCounters; ++i) counted_[i] += place->counters[i];
   publisher_->counted(counted_);
-  choose_samples();
+  alive_[place->generation % 2].store(0);
   place.reset();
   facts_due_ = now_;
   if (was_current) {
@@ -272,10 +285,13 @@ void FrontLink::clear_away(Place& place) {
     publisher_->forget_answers();
   }
   if (!told) {
+    // It may have done anything to the sockets. At once, because callers wait in the new ones.
+    if (was_current) config_.hand_over->listeners().try_to_open_again();
     pause_ = lasted ? core::Duration{0}
                     : std::clamp<core::Duration>(2 * pause_, kFirstPause, kLongestPause);
     start_at_ = now_ + pause_;
-    local_.answer(std::exchange(restart_reply_, 0), "refused: " + wrong_);
+    const bool goes_on = was_current && next_;  // the next one serves or fails
+    if (!goes_on) local_.answer(std::exchange(restart_reply_, 0), "refused: " + wrong_);
   }
   if (stopping_.load() || std::exchange(first_told_, true)) return;
   first_.set_exception(std::make_exception_ptr(core::TransportError(wrong_)));

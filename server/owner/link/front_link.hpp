@@ -4,6 +4,7 @@
 /// first and made harmless then (from_front.hpp), a bounded number at a time. The local control
 /// socket has a thread of its own (LocalCommands), and needs no front.
 
+#include <array>
 #include <atomic>
 #include <functional>
 #include <future>
@@ -12,6 +13,8 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/core_share.hpp"
+#include "server/base/wake_up.hpp"
 #include "server/crossing/link_messages.hpp"
 #include "server/owner/app.hpp"
 #include "server/owner/link/front_process.hpp"
@@ -20,6 +23,7 @@
 #include "server/owner/link/launcher.hpp"
 #include "server/owner/link/publisher.hpp"
 #include "server/owner/link/sample_intake.hpp"
+#include "server/owner/link/turn_watch.hpp"
 #include "server/owner/local/local_commands.hpp"
 #include "server/owner/telemetry/tick_metrics.hpp"
 
@@ -35,8 +39,8 @@ class FrontLink final : public FrontRunner {
   static constexpr core::Duration kLeaving{std::chrono::milliseconds(1500)};
 
   struct Config {
-    Launcher* launcher{nullptr};                  ///< null: the scene is offline, there is no front
-    std::shared_ptr<const HandOver> hand_over{};  ///< null only with `launcher`
+    Launcher* launcher{nullptr};            ///< null: the scene is offline, there is no front
+    std::shared_ptr<HandOver> hand_over{};  ///< null only with `launcher`
     std::string name{};  ///< of the scene; its control socket has it if it is offline
     std::function<ServerFacts()> facts{};  ///< called ten times a second, on the link's thread
     std::shared_ptr<const TickMetrics> ticks{};  ///< null: the scene has no metrics
@@ -60,8 +64,6 @@ class FrontLink final : public FrontRunner {
   void stop() override;
   /// Replaces the front, as `hapticctl restart-front` does. Any thread.
   void restart() override;
-  /// The loop's thread, just before each tick (SampleIntake).
-  void before_tick() noexcept override { intake_.take_for_tick(); }
   /// Where fronts serve.
   [[nodiscard]] std::vector<std::string> addresses() const override;
 
@@ -71,13 +73,12 @@ class FrontLink final : public FrontRunner {
 
   void run() noexcept;
   void turn();
-  void keep_within_budget();
   void wait_for_news();
   // front_link_traffic.cpp: what fronts send.
-  /// False: the front is to be ended, for the reason it left in `wrong_`.
+  /// Takes what it sent. False: it is to be ended, for the reason that is in `wrong_`.
+  [[nodiscard]] bool hear(FrontProcess& front);
   [[nodiscard]] bool take_messages(FrontProcess& front);
   [[nodiscard]] bool take(FrontProcess& front, FrontMessage& message);
-  void choose_samples();
   void serves_now(FrontProcess& front);
   void publish_facts();
   // front_link.cpp: the life of fronts.
@@ -87,8 +88,14 @@ class FrontLink final : public FrontRunner {
   void start_front();
   void notices();
   void look_after();
+  void watch_launcher();
+  void free_thread();
   void tell_to_go();
+  /// Passes on what `act` says; false, and its words in `wrong_`, if it throws.
+  template <typename Act>
+  [[nodiscard]] bool try_to(const Act& act);
   [[nodiscard]] bool welcome(FrontProcess& front);
+  [[nodiscard]] bool go(FrontProcess& front);
   void leave(FrontProcess& front);
   void end(FrontProcess& front, const std::string& why);
   void clear_away(Place& place);
@@ -98,15 +105,14 @@ class FrontLink final : public FrontRunner {
   const SharedMemory front_config_;  ///< FrontConfig as bytes; a front can only read it
   std::shared_ptr<Publisher> publisher_;
   LocalCommands local_;
-  Descriptor wakes_;  ///< the link's thread, for restarts and stop()
+  const WakeUp wakes_{};  ///< the link's thread, for restarts and stop()
   SampleIntake intake_;
   FrontRequests requests_;
 
   // The link's thread.
   core::TimePoint now_{};
   std::vector<pollfd> wait_{};
-  core::TimePoint window_{};  ///< began then
-  core::Duration busy_{0};    ///< of the window
+  CoreShare share_{};  ///< whatever fronts send
   Place current_{}, next_{};
   std::uint32_t generation_{0};
   core::TimePoint start_at_{};
@@ -116,12 +122,14 @@ class FrontLink final : public FrontRunner {
   std::string wrong_{};
   std::uint64_t restart_reply_{0};
   FrontCounters counted_{};  ///< by the fronts before
-  bool told_lost_{false};
+  bool told_lost_{false}, launcher_silent_{false};
 
   std::promise<void> first_{};
   bool first_told_{false};
   std::atomic<bool> stopping_{false}, restart_wanted_{false};
   std::atomic<std::uint64_t> restart_asked_{0};  ///< by a local user, who waits for the answer
+  std::array<std::atomic<pid_t>, 2> alive_{};    ///< fronts, by generation
+  TurnWatch watch_{[this] { free_thread(); }};
   std::thread thread_{};
 };
 

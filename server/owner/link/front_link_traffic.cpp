@@ -1,6 +1,5 @@
-// FrontLink: what fronts send, and what they are told of the server.
+// FrontLink: what fronts send, what they are told of the server, and whether both go on.
 #include <spdlog/spdlog.h>
-#include <sys/eventfd.h>
 
 #include <utility>
 
@@ -20,43 +19,40 @@ constexpr int kMessagesPerTurn = 64;
 
 }  // namespace
 
-/// Whatever fronts send, this thread leaves two thirds of a core to others.
-void FrontLink::keep_within_budget() {
-  constexpr core::Duration kWindow = 3ms, kBudget = 1ms;
-  const core::TimePoint now = steady_now();
-  busy_ += now - now_;
-  if (now - window_ < kWindow) {
-    if (busy_ < kBudget) return;
-    std::this_thread::sleep_for(window_ + kWindow - now);
+bool FrontLink::hear(FrontProcess& front) {
+  const bool words = front.log.copy(now_);
+  if (front.stage == Stage::kKilled) return true;
+  if (!words) {
+    wrong_ = "hapticd-front sent descriptors as words";
+    return false;
   }
-  window_ = steady_now();
-  busy_ = {};
+  if (front.is_heard() && !intake_.take(front)) {
+    wrong_ = "hapticd-front sent a sample that is none";
+    return false;
+  }
+  requests_.take_stops(front, now_);
+  return take_messages(front);
 }
 
 bool FrontLink::take_messages(FrontProcess& front) {
-  // Stops that rose before the queue was seen empty were in it.
-  std::array<std::uint32_t, kMostDevices> stops{};
-  for (std::size_t i = 0; i < stops.size(); ++i) {
-    stops[i] = front.pages.stops[i].load(std::memory_order_acquire);
-  }
-  front.queued = false;
   for (int i = 0; i < kMessagesPerTurn && front.link; ++i) {
     FrontMessage message;
     switch (receive(front.link.get(), message)) {
       case Received::kNothing:
-        front.stops.assign(stops.begin(), stops.end());
         return true;
       case Received::kGone:
-        front.link = Descriptor();  // its end is told by the launcher
+        close_aside(std::move(front.link));  // its end is told by the launcher
         return true;
       case Received::kOdd:
         wrong_ = "hapticd-front is of another build: its messages have another size";
+        return false;
+      case Received::kBurdened:
+        wrong_ = "hapticd-front sent descriptors";
         return false;
       case Received::kMessage:
         if (!take(front, message)) return false;
     }
   }
-  front.queued = true;
   return true;
 }
 
@@ -81,8 +77,11 @@ bool FrontLink::take(FrontProcess& front, FrontMessage& message) {
       wrong_ = message.text.str();
       return false;
     case FrontMessage::Kind::kRequest:
-      if (front.stage != Stage::kServing && front.stage != Stage::kLeaving) return true;
-      requests_.post(front, message.request, now_);
+      if (front.is_heard()) requests_.post(front, message.request, now_);
+      return true;
+    case FrontMessage::Kind::kBeat:
+      front.beat_at = now_;
+      front.counters = message.counters;
       return true;
   }
   return true;
@@ -90,7 +89,6 @@ bool FrontLink::take(FrontProcess& front, FrontMessage& message) {
 
 void FrontLink::serves_now(FrontProcess& front) {
   front.enter(Stage::kServing, now_);
-  choose_samples();
   front.served_since = now_;
   ++served_;
   facts_due_ = now_;
@@ -99,10 +97,23 @@ void FrontLink::serves_now(FrontProcess& front) {
   local_.answer(std::exchange(restart_reply_, 0), "ok\na new front serves");
 }
 
-/// From now on the samples of the front that serves, if one does, are taken.
-void FrontLink::choose_samples() {
-  const bool serves = current_ && !current_->gone && current_->stage == Stage::kServing;
-  intake_.serve(serves ? &current_->pages : nullptr);
+void FrontLink::watch_launcher() {
+  const bool silent = config_.launcher->is_silent(now_);
+  if (silent == std::exchange(launcher_silent_, silent)) return;
+  if (silent) {
+    spdlog::error("the launcher of the front does not answer (process {}): no front can be started",
+                  config_.launcher->pid());
+  } else {
+    spdlog::warn("the launcher of the front answers again");
+  }
+}
+
+/// The link's thread waits in the kernel for something that a front does, which no call of it
+/// should. Another thread calls.
+void FrontLink::free_thread() {
+  if (config_.launcher == nullptr) return;
+  spdlog::error("the thread that hears the front does not turn: the front is ended");
+  for (const auto& pid : alive_) config_.launcher->kill(pid.load());
 }
 
 void FrontLink::publish_facts() {

@@ -1,59 +1,48 @@
 #include "server/owner/link/front_process.hpp"
 
-#include <sys/eventfd.h>
-#include <unistd.h>
+#include <fcntl.h>
 
-#include <cerrno>
-#include <cstring>
-
-#include "haptic/core/error.hpp"
-#include "server/crossing/link_messages.hpp"
+#include <utility>
 
 namespace haptic::server {
 
-Descriptor event_descriptor() {
-  Descriptor made(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  if (!made) throw core::TransportError(std::string("eventfd: ") + std::strerror(errno));
-  return made;
-}
-
-void empty(const Descriptor& event) {
-  std::uint64_t count = 0;
-  static_cast<void>(read(event.get(), &count, sizeof count) == sizeof count);
-}
-
 FrontProcess::FrontProcess(std::uint32_t its_generation, core::TimePoint now)
+    : FrontProcess(its_generation, now, packet_pair()) {}
+
+FrontProcess::FrontProcess(std::uint32_t its_generation, core::TimePoint now,
+                           std::pair<Descriptor, Descriptor> log_ends)
     : generation(its_generation),
-      wakes_owner(event_descriptor()),
-      memory("haptic-front", sizeof(FrontsPages), SharedMemory::Access::kReadAndWrite),
-      pages(*static_cast<FrontsPages*>(memory.data())),
+      its_log(std::move(log_ends.second)),
+      log(std::move(log_ends.first)),
       since(now),
-      beat_at(now),
-      stops(kMostDevices, 0) {
+      beat_at(now) {
+  fcntl(its_log.get(), F_SETFL, 0);  // a program that prints waits
   std::tie(link, its_link) = packet_pair();
+  std::tie(samples, its_samples) = packet_pair();
 }
 
-bool FrontProcess::welcome(int owners_pages, const SharedMemory& config,
-                           const FrontStart& start) const {
-  std::vector<int> descriptors{owners_pages, memory.descriptor(), wakes_owner.get(),
-                               config.descriptor()};
-  for (const Descriptor& each : start.sockets) descriptors.push_back(each.get());
-  for (const Descriptor& each : start.files) descriptors.push_back(each.get());
+FrontProcess::~FrontProcess() {
+  close_aside(std::move(link));
+  close_aside(std::move(samples));
+}
+
+bool FrontProcess::welcome(const SharedMemory& owners_pages, const SharedMemory& config,
+                           const std::vector<Descriptor>& files) {
+  const Descriptor pages = owners_pages.for_reader(), its_config = config.for_reader();
+  std::vector<int> descriptors{pages.get(), its_samples.get(), its_config.get()};
+  for (const Descriptor& each : files) descriptors.push_back(each.get());
   OwnerMessage message;
   message.generation = generation;
   message.config_bytes = config.bytes();
-  return send(link.get(), message, descriptors);
+  const bool sent = send(link.get(), message, descriptors);
+  its_samples = Descriptor();
+  return sent;
 }
 
-void FrontProcess::hear() const {
-  empty(wakes_owner);
-}
-
-void FrontProcess::look(core::TimePoint now) {
-  const std::uint64_t seen = pages.beats.load(std::memory_order_relaxed);
-  if (seen == beats) return;
-  beats = seen;
-  beat_at = now;
+bool FrontProcess::go(const std::vector<Descriptor>& sockets) const {
+  std::vector<int> descriptors;
+  for (const Descriptor& each : sockets) descriptors.push_back(each.get());
+  return send(link.get(), OwnerMessage{OwnerMessage::Kind::kGo}, descriptors);
 }
 
 }  // namespace haptic::server

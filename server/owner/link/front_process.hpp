@@ -1,16 +1,15 @@
 #pragma once
-/// One front as the owner sees it: its end of the socket, the pages that the front writes, and how
-/// far it got.
+/// One front as the owner sees it: the owner's ends of their sockets, and how far the front got.
 
 #include <sys/types.h>
 
-#include <string>
-#include <vector>
+#include <map>
+#include <utility>
 
 #include "server/crossing/front_config.hpp"
-#include "server/crossing/packet_socket.hpp"
-#include "server/crossing/shared_layout.hpp"
-#include "server/owner/rights/owner.hpp"
+#include "server/crossing/link_messages.hpp"
+#include "server/crossing/shared_memory.hpp"
+#include "server/owner/link/front_log.hpp"
 
 namespace haptic::server {
 
@@ -27,40 +26,41 @@ struct FrontProcess {
 
   /// Throws core::TransportError.
   FrontProcess(std::uint32_t generation, core::TimePoint now);
+  ~FrontProcess();
+  FrontProcess(const FrontProcess&) = delete;
+  FrontProcess& operator=(const FrontProcess&) = delete;
 
   void enter(Stage to, core::TimePoint now) {
     stage = to;
     since = beat_at = now;
   }
-  /// Hands it `config`, which are the bytes of start.config, the owner's pages and what was opened
-  /// for it. False: the front is gone.
-  [[nodiscard]] bool welcome(int owners_pages, const SharedMemory& config,
-                             const FrontStart& start) const;
-  /// Reads the eventfd by which the front wakes the owner.
-  void hear() const;
-  /// Looks at its sign of life.
-  void look(core::TimePoint now);
+  /// Hands it the bytes of its configuration, the owner's pages and the files that were opened for
+  /// it. False: the front is gone.
+  [[nodiscard]] bool welcome(const SharedMemory& owners_pages, const SharedMemory& config,
+                             const std::vector<Descriptor>& files);
+  /// Hands it the sockets: it is to serve.
+  [[nodiscard]] bool go(const std::vector<Descriptor>& sockets) const;
+  /// The owner obeys it: it serves, or ends its streams.
+  [[nodiscard]] bool is_heard() const noexcept {
+    return stage == Stage::kServing || stage == Stage::kLeaving;
+  }
 
   const std::uint32_t generation;
-  Descriptor link{};      ///< the owner's end
-  Descriptor its_link{};  ///< the front's, until it is started
-  Descriptor wakes_owner{};
-  SharedMemory memory;
-  FrontsPages& pages;
+  Descriptor link{}, samples{};                     ///< the owner's ends
+  Descriptor its_link{}, its_samples{}, its_log{};  ///< the front's, until it has them
+  FrontLog log;
   pid_t pid{0};  ///< 0: not known yet
   Stage stage{Stage::kStarting};
   core::TimePoint since{};         ///< of the stage
   core::TimePoint served_since{};  ///< TimePoint{}: it never did
-  core::TimePoint beat_at{};
-  std::uint64_t beats{0};
-  bool gone{false};                    ///< the process has ended
-  bool queued{false};                  ///< more messages wait than one turn takes
-  std::vector<std::uint32_t> stops{};  ///< of FrontsPages::stops, as far as they were obeyed
-};
+  core::TimePoint beat_at{};       ///< its newest sign of life
+  FrontCounters counters{};
+  bool gone{false};                            ///< the process has ended
+  std::map<std::uint32_t, Text<200>> stops{};  ///< to be obeyed: device and why
 
-/// An eventfd. Throws core::TransportError.
-[[nodiscard]] Descriptor event_descriptor();
-/// Reads it, so that it waits for the next one.
-void empty(const Descriptor& event);
+ private:
+  FrontProcess(std::uint32_t its_generation, core::TimePoint now,
+               std::pair<Descriptor, Descriptor> log_ends);
+};
 
 }  // namespace haptic::server

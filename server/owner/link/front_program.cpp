@@ -1,7 +1,9 @@
 #include "server/owner/link/front_program.hpp"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -25,16 +27,19 @@ constexpr std::size_t kMemory = std::size_t{512} << 20U;
 constexpr std::size_t kStack = std::size_t{1} << 20U;
 #endif
 
-std::shared_ptr<const HandOver> hand_over(const App& app) {
+std::shared_ptr<HandOver> hand_over(const App& app) {
   const ServerScene& scene = app.scene().server;
   const std::filesystem::path page = scene.web ? page_folder(front_program()) : "";
-  return std::make_shared<const HandOver>(front_config(app), scene, page);
+  return std::make_shared<HandOver>(front_config(app), scene, page);
 }
 
 /// A front that has `link` as its descriptor 3.
 pid_t spawn(const std::filesystem::path& program, const Descriptor& link) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
+  }
   posix_spawn_file_actions_adddup2(&actions, link.get(), 3);
   std::string name = "hapticd-front";
   char* const arguments[] = {name.data(), nullptr};
@@ -86,7 +91,6 @@ FrontConfig front_config(const App& app) {
   FrontConfig config = front_config(app.scene().server, app.options().insecure_lab);
   config.scene = app.scene().name;
   config.log_level = app.options().log_level;
-  config.log_format = app.options().log_format;
   config.period = app.scene().loop.period;
   config.devices = app.owner().devices();
   return config;
@@ -97,18 +101,18 @@ std::string check_front_files(const Scene& scene) {
   config.log_level = "error";
   if (!config.tls && (!config.web || config.web->tokens.empty())) return {};
   const std::filesystem::path program = front_program();
-  const FrontStart start{config, {}, open_files(config, page_folder(program))};
+  const std::vector<Descriptor> files = open_files(config, page_folder(program));
   const SharedMemory bytes = to_memory(config);
-  const SharedMemory pages("haptic-check", OwnersPages::bytes(0), SharedMemory::Access::kRead);
+  const SharedMemory pages("haptic-check", OwnersPages::bytes(0));
   FrontProcess front(0, {});
   const pid_t pid = spawn(program, front.its_link);
   front.its_link = Descriptor();
   FrontMessage said = next_message(front);
   if (said.kind == FrontMessage::Kind::kHello && said.layout == layout_hash() &&
-      front.welcome(pages.descriptor(), bytes, start)) {
+      front.welcome(pages, bytes, files)) {
     said = next_message(front);
   }
-  front.link = Descriptor();  // it leaves
+  shutdown(front.link.get(), SHUT_RDWR);  // it leaves
   waitpid(pid, nullptr, 0);
   if (said.kind == FrontMessage::Kind::kReady) return said.text.str();
   const bool refused = said.kind == FrontMessage::Kind::kCannotServe;

@@ -16,19 +16,17 @@ void FrontRequests::post(const FrontProcess& front, Request& request, core::Time
 }
 
 void FrontRequests::take_stops(FrontProcess& front, core::TimePoint now) {
-  if (!front.queued && !publisher_.full()) return;
-  for (std::size_t i = 0; i < owner_.devices().size(); ++i) {
-    // The answer comes when its request has its turn.
-    const std::uint32_t stop = front.pages.stops[i].load(std::memory_order_acquire);
-    if (front.stops[i] == stop) continue;
-    const std::uint64_t id = request_id(front.generation, i);  // a front's own begin far above
-    if (!publisher_.expect_answer(id)) continue;               // the one before is under way
-    front.stops[i] = stop;
+  for (auto next = front.stops.begin(); next != front.stops.end();) {
+    const auto stop = next++;
+    // A front's own ids begin far above. Who asked is answered when the request has its turn.
+    const std::uint64_t id = request_id(front.generation, stop->first);
+    if (!publisher_.expect_answer(id)) continue;  // the one before is under way
     owner_.post(Request{.id = id,
                         .kind = Request::Kind::kStop,
-                        .device = static_cast<std::uint32_t>(i),
-                        .text = "over the network, ahead of the requests that wait",
+                        .device = stop->first,
+                        .text = stop->second,
                         .time = now});
+    front.stops.erase(stop);
   }
 }
 

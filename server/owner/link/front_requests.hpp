@@ -14,7 +14,7 @@ class FrontRequests {
 
   /// A request that came as a message.
   void post(const FrontProcess& front, Request& request, core::TimePoint now);
-  /// Stops that rose in the front's pages, if requests wait in front of theirs.
+  /// Stops that came ahead of their requests.
   void take_stops(FrontProcess& front, core::TimePoint now);
 
  private:

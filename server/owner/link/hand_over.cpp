@@ -103,7 +103,7 @@ SharedMemory to_memory(const FrontConfig& config) {
                                std::to_string(descriptors) + " descriptors: at most " +
                                std::to_string(kMostDescriptors) + " go to a front");
   }
-  SharedMemory memory("haptic-config", bytes.size(), SharedMemory::Access::kRead);
+  SharedMemory memory("haptic-config", bytes.size());
   std::memcpy(memory.data(), bytes.data(), bytes.size());
   return memory;
 }
@@ -118,10 +118,6 @@ std::vector<std::string> HandOver::addresses() const {
   std::vector<std::string> all;
   for (const FrontConfig::Address& address : config_.addresses) all.push_back(address.name);
   return all;
-}
-
-FrontStart HandOver::start() const {
-  return {config_, listeners_.sockets(), open_files(config_, page_)};
 }
 
 }  // namespace haptic::server

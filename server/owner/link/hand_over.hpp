@@ -37,7 +37,11 @@ class HandOver {
   [[nodiscard]] const FrontConfig& config() const noexcept { return config_; }
   [[nodiscard]] std::vector<std::string> addresses() const;
   /// For one front. Throws core::TransportError, as open_files().
-  [[nodiscard]] FrontStart start() const;
+  [[nodiscard]] std::vector<Descriptor> files() const { return open_files(config_, page_); }
+  /// Files and sockets, for a front in this process. Throws as files().
+  [[nodiscard]] FrontStart start() const { return {config_, listeners_.sockets(), files()}; }
+  /// For one front, when no other one has them.
+  [[nodiscard]] Listeners& listeners() noexcept { return listeners_; }
 
  private:
   Listeners listeners_;

@@ -25,9 +25,10 @@ namespace {
 
 constexpr int kLink = 3;  ///< descriptor of a front's link to the owner
 constexpr int kCannotExec = 127;
+constexpr core::Duration kAskEvery = std::chrono::milliseconds(500);
 
 struct Order {
-  enum class Kind : std::uint8_t { kStart, kKill };
+  enum class Kind : std::uint8_t { kStart, kKill, kAsk };
   Kind kind{Kind::kStart};
   pid_t pid{0};  ///< kKill
 };
@@ -97,7 +98,7 @@ void take_rights_away() {
 }
 
 /// The front's side of fork().
-[[noreturn]] void become_front(const char* program, int link, const FrontLimits& limits,
+[[noreturn]] void become_front(const char* program, int link, int log, const FrontLimits& limits,
                                pid_t launcher) {
   take_means_away(limits);
   take_rights_away();
@@ -106,11 +107,13 @@ void take_rights_away() {
   for (const char* of_owner : {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"}) {
     unsetenv(of_owner);
   }
-  if (link == kLink) {
-    fcntl(kLink, F_SETFD, 0);
-  } else {
-    dup2(link, kLink);
-  }
+  // First out of the way of the numbers that they get.
+  link = fcntl(link, F_DUPFD_CLOEXEC, kLink + 1);
+  log = fcntl(log, F_DUPFD_CLOEXEC, kLink + 1);
+  dup2(open("/dev/null", O_RDONLY | O_CLOEXEC), STDIN_FILENO);
+  dup2(log, STDOUT_FILENO);
+  dup2(log, STDERR_FILENO);
+  dup2(link, kLink);
   close_range(kLink + 1, ~0U, 0);
   execl(program, program, nullptr);
   _exit(kCannotExec);
@@ -152,13 +155,14 @@ class Service {
   bool obey() {
     for (;;) {
       Order order;
-      std::vector<Descriptor> link;
-      switch (receive(socket_, order, &link)) {
+      std::vector<Descriptor> brought;
+      switch (receive(socket_, order, &brought)) {
         case Received::kMessage:
           break;
         case Received::kNothing:
           return true;
         case Received::kOdd:
+        case Received::kBurdened:
           continue;
         case Received::kGone:
           return false;
@@ -169,20 +173,22 @@ class Service {
         const bool child =
             waitid(P_PID, static_cast<id_t>(order.pid), &info, WEXITED | WNOHANG | WNOWAIT) == 0;
         if (child && info.si_pid == 0) ::kill(order.pid, SIGKILL);
-      } else if (link.size() == 1) {
-        start(link[0].get());
+      } else if (order.kind == Order::Kind::kAsk) {
+        send(socket_, Notice{Notice::Kind::kHere, 0, 0});
+      } else if (brought.size() == 2) {
+        start(brought[0].get(), brought[1].get());
       }
     }
   }
 
-  void start(int link) {
+  void start(int link, int log) {
     const pid_t launcher = getpid();
     const pid_t pid = fork();
     if (pid == 0) {
       sigset_t none;
       sigemptyset(&none);
       sigprocmask(SIG_SETMASK, &none, nullptr);
-      become_front(program_, link, limits_, launcher);
+      become_front(program_, link, log, limits_, launcher);
     }
     if (pid < 0) {
       send(socket_, Notice{Notice::Kind::kEnded, 0, errno});
@@ -221,9 +227,9 @@ Launcher::~Launcher() {
   }
 }
 
-void Launcher::start(Descriptor link) {
-  const int fd = link.get();
-  if (!send(socket_.get(), Order{Order::Kind::kStart, 0}, std::span(&fd, 1))) {
+void Launcher::start(Descriptor link, Descriptor log) {
+  const std::array<int, 2> both{link.get(), log.get()};
+  if (!send(socket_.get(), Order{Order::Kind::kStart, 0}, both)) {
     throw core::TransportError("the launcher of the front is gone");
   }
 }
@@ -236,7 +242,16 @@ std::optional<Launcher::Notice> Launcher::next() {
   Notice notice;
   const Received got = receive(socket_.get(), notice);
   gone_ = gone_ || got == Received::kGone;
+  answered_ = answered_ || got == Received::kMessage;
   return got == Received::kMessage ? std::optional(notice) : std::nullopt;
+}
+
+bool Launcher::is_silent(core::TimePoint now) {
+  if (answered_ && now - asked_ >= kAskEvery) {
+    asked_ = now;
+    answered_ = !send(socket_.get(), Order{Order::Kind::kAsk, 0});
+  }
+  return !answered_ && now - asked_ >= kPatience;
 }
 
 }  // namespace haptic::server

@@ -5,9 +5,11 @@
 
 #include <sys/types.h>
 
+#include <csignal>
 #include <filesystem>
 #include <optional>
 
+#include "haptic/core/time.hpp"
 #include "server/crossing/packet_socket.hpp"
 
 namespace haptic::server {
@@ -23,7 +25,7 @@ struct FrontLimits {
 class Launcher {
  public:
   struct Notice {
-    enum class Kind : std::uint8_t { kStarted, kEnded };
+    enum class Kind : std::uint8_t { kStarted, kEnded, kHere };
     Kind kind{Kind::kStarted};
     pid_t pid{0};   ///< 0: no process could be made
     int status{0};  ///< kEnded: as waitpid() gives it
@@ -37,8 +39,9 @@ class Launcher {
   Launcher(const Launcher&) = delete;
   Launcher& operator=(const Launcher&) = delete;
 
-  /// Starts a front that has `link` as its descriptor 3. The launcher's answer comes by next().
-  void start(Descriptor link);
+  /// Starts a front that has `link` as its descriptor 3, `log` as its standard output and error,
+  /// and nothing to read. The launcher's answer comes by next().
+  void start(Descriptor link, Descriptor log);
   /// SIGKILL to a front.
   void kill(pid_t front);
   /// Readable when next() has something to say.
@@ -47,12 +50,19 @@ class Launcher {
   [[nodiscard]] std::optional<Notice> next();
   /// The launcher has ended, which only a signal can do; next() found out.
   [[nodiscard]] bool gone() const noexcept { return gone_; }
+  /// Asks it, now and then, whether it works. True: it did not answer for kPatience.
+  [[nodiscard]] bool is_silent(core::TimePoint now);
+  static constexpr core::Duration kPatience{std::chrono::seconds(2)};
+  /// Ends it at once, and with it every front.
+  void end() { ::kill(pid_, SIGKILL); }
   [[nodiscard]] pid_t pid() const noexcept { return pid_; }
 
  private:
   Descriptor socket_{};
   pid_t pid_{0};
   bool gone_{false};
+  core::TimePoint asked_{};  ///< whether it works
+  bool answered_{true};
 };
 
 }  // namespace haptic::server

@@ -3,6 +3,8 @@
 #include <fcntl.h>
 #include <netdb.h>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <spdlog/spdlog.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -44,11 +46,20 @@ void check_unix(const std::string& address) {
   if (answers(unix_name(path))) refuse(address, "in use by another process");
 }
 
-/// Empty, with errno set: it cannot be bound.
-Descriptor bound(const sockaddr* name, socklen_t size, int type) {
+/// Several sockets of this user may have the port from now on.
+void share_port(const Descriptor& socket) {
+  const int on = 1;
+  setsockopt(socket.get(), SOL_SOCKET, SO_REUSEPORT, &on, sizeof on);
+}
+
+enum class Port : std::uint8_t { kFree, kOurs };
+
+/// Empty, with errno set: it cannot be bound. kFree: no socket has the name, whoever's.
+Descriptor bound(const sockaddr* name, socklen_t size, int type, Port port = Port::kFree) {
   Descriptor made(socket(name->sa_family, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!made) return made;
   const bool listens = type == SOCK_STREAM;
+  if (port == Port::kOurs) share_port(made);
   if (listens && name->sa_family != AF_UNIX) {
     // A server that starts again takes its port back; never a port that another one serves.
     const int on = 1;
@@ -61,8 +72,34 @@ Descriptor bound(const sockaddr* name, socklen_t size, int type) {
     setsockopt(made.get(), IPPROTO_IPV6, IPV6_V6ONLY, &only, sizeof only);
   }
   if (bind(made.get(), name, size) != 0) return {};
+  share_port(made);
   if (listens && listen(made.get(), SOMAXCONN) != 0) return {};
   return made;
+}
+
+/// Everything that an honest front leaves as it was, and that another one may have changed.
+std::vector<int> look_at(const Descriptor& socket) {
+  std::vector<int> state;
+  const auto option = [&](int level, int name) {
+    int value = 0;
+    socklen_t size = sizeof value;
+    state.push_back(getsockopt(socket.get(), level, name, &value, &size) == 0 ? value : -errno);
+  };
+  for (const int name :
+       {SO_ACCEPTCONN, SO_LOCK_FILTER, SO_KEEPALIVE, SO_REUSEADDR, SO_REUSEPORT, SO_RCVLOWAT,
+        SO_SNDBUF, SO_DONTROUTE, SO_MARK, SO_PRIORITY, SO_BROADCAST, SO_BINDTOIFINDEX}) {
+    option(SOL_SOCKET, name);
+  }
+  for (const int name : {TCP_DEFER_ACCEPT, TCP_MAXSEG, TCP_USER_TIMEOUT, TCP_NODELAY}) {
+    option(IPPROTO_TCP, name);
+  }
+  socklen_t instructions = 0;  // of a filter
+  getsockopt(socket.get(), SOL_SOCKET, SO_GET_FILTER, nullptr, &instructions);
+  state.push_back(static_cast<int>(instructions));
+  sockaddr_storage peer{};
+  socklen_t size = sizeof peer;
+  state.push_back(getpeername(socket.get(), reinterpret_cast<sockaddr*>(&peer), &size));
+  return state;
 }
 
 struct Addresses {
@@ -137,11 +174,62 @@ Listeners::Listeners(const ServerScene& scene, bool insecure_lab) {
 
 std::vector<Descriptor> Listeners::sockets() const {
   std::vector<Descriptor> copies;
-  for (const Descriptor& each : sockets_) {
-    copies.emplace_back(fcntl(each.get(), F_DUPFD_CLOEXEC, 0));
+  for (const Bound& each : sockets_) {
+    fcntl(each.socket.get(), F_SETFL, O_NONBLOCK);
+    copies.emplace_back(fcntl(each.socket.get(), F_DUPFD_CLOEXEC, 0));
     if (!copies.back()) throw core::TransportError(std::string("sockets: ") + strerror(errno));
   }
   return copies;
+}
+
+void Listeners::keep(Descriptor socket, int type) {
+  Bound& kept = sockets_.emplace_back();
+  kept.type = type;
+  kept.size = sizeof kept.name;
+  getsockname(socket.get(), reinterpret_cast<sockaddr*>(&kept.name), &kept.size);
+  kept.state = look_at(socket);
+  kept.socket = std::move(socket);
+}
+
+void Listeners::check() {
+  for (Bound& each : sockets_) {
+    if (look_at(each.socket) == each.state) continue;
+    spdlog::error("a front changed a socket that it was given: it is opened again");
+    open_again(each);
+  }
+}
+
+void Listeners::try_to_open_again() noexcept {
+  for (Bound& each : sockets_) {
+    try {
+      open_again(each);
+    } catch (const std::exception&) {
+      each.state.clear();
+    }
+  }
+}
+
+void Listeners::open_again(Bound& old) {
+  const auto* const name = reinterpret_cast<const sockaddr*>(&old.name);
+  std::unique_ptr<File>* file = nullptr;
+  if (name->sa_family == AF_UNIX) {
+    const std::string path = reinterpret_cast<const sockaddr_un*>(name)->sun_path;
+    for (auto& each : files_) {
+      if (each->path == path) file = &each;
+    }
+    unlink(path.c_str());
+  } else {
+    share_port(old.socket);  // it may have been taken away
+  }
+  Descriptor made = bound(name, old.size, old.type, Port::kOurs);
+  if (!made) {
+    throw core::TransportError(std::string("a socket cannot be opened again: ") +
+                               std::strerror(errno));
+  }
+  if (file != nullptr) *file = std::make_unique<File>((*file)->path);
+  shutdown(old.socket.get(), SHUT_RDWR);  // whoever has a copy of it
+  old.state = look_at(made);
+  old.socket = std::move(made);
 }
 
 Listeners::File::File(std::string its_path) : path(std::move(its_path)) {
@@ -163,7 +251,7 @@ void Listeners::bind_unix(const std::string& address, const std::string& path) {
   Descriptor listener = bound(reinterpret_cast<const sockaddr*>(&name), sizeof name, SOCK_STREAM);
   if (!listener) refuse(address, std::string("cannot be bound: ") + std::strerror(errno));
   files_.push_back(std::make_unique<File>(path));
-  sockets_.push_back(std::move(listener));
+  keep(std::move(listener), SOCK_STREAM);
 }
 
 std::string Listeners::bind_name(const std::string& address, int type) {
@@ -187,11 +275,8 @@ std::string Listeners::bind_name(const std::string& address, int type) {
       if (failed == EADDRNOTAVAIL || failed == EAFNOSUPPORT) continue;
       throw cannot_bind(std::strerror(failed));
     }
-    sockaddr_storage got{};
-    socklen_t size = sizeof got;
-    getsockname(made.get(), reinterpret_cast<sockaddr*>(&got), &size);
-    port = ntohs(reinterpret_cast<const sockaddr_in&>(got).sin_port);
-    sockets_.push_back(std::move(made));
+    keep(std::move(made), type);
+    port = ntohs(reinterpret_cast<const sockaddr_in&>(sockets_.back().name).sin_port);
   }
   if (port == 0) throw cannot_bind(std::strerror(failed));
   return host_of(address) + ":" + std::to_string(port);

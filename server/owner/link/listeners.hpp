@@ -2,6 +2,7 @@
 /// The sockets that a scene names, bound by the owner once for all fronts of this daemon: no other
 /// process gets a port while a front is replaced.
 
+#include <sys/socket.h>
 #include <sys/types.h>
 
 #include <memory>
@@ -21,6 +22,11 @@ Protection check_listen_address(const std::string& address,
                                 Protection best = Protection::kThisHost);
 
 /// Bound and listening, non-blocking. The files of UNIX sockets are removed at the end.
+///
+/// A front shares them with the owner, and may shut down, connect or filter them for every front
+/// after it. So they are opened again after a front that did not end in order, and if a look at
+/// them shows a change. The new one is bound before the old one is closed: no other user's program
+/// gets the port in between.
 class Listeners {
  public:
   /// Binds every address of `scene`. Throws core::TransportError naming the one that is wrong or
@@ -34,6 +40,11 @@ class Listeners {
   [[nodiscard]] const std::string& udp_listen() const noexcept { return udp_listen_; }
   /// Copies of the sockets, for FrontStart.
   [[nodiscard]] std::vector<Descriptor> sockets() const;
+  /// No front may have the sockets. Opens each again that is not as it was made, and logs it.
+  /// Throws core::TransportError if that fails.
+  void check();
+  /// Opens all of them again; one that cannot be opened stays for check().
+  void try_to_open_again() noexcept;
 
  private:
   /// A UNIX socket's; one that another server put there since then stays.
@@ -52,8 +63,18 @@ class Listeners {
 
   std::vector<FrontConfig::Address> addresses_{};
   std::string udp_listen_{};
-  std::vector<Descriptor> sockets_{};
-  std::vector<std::unique_ptr<File>> files_{};
+  struct Bound {
+    Descriptor socket{};
+    int type{0};
+    sockaddr_storage name{};  ///< with its port
+    socklen_t size{0};
+    std::vector<int> state{};  ///< look_at() it as it was made
+  };
+  void keep(Descriptor socket, int type);
+  void open_again(Bound& bound);
+
+  std::vector<Bound> sockets_{};
+  std::vector<std::unique_ptr<File>> files_{};  ///< of those that have one, in the same order
 };
 
 }  // namespace haptic::server

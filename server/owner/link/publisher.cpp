@@ -4,8 +4,6 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include <climits>
-
 #include "server/crossing/link_messages.hpp"
 
 namespace haptic::server {
@@ -13,8 +11,7 @@ namespace haptic::server {
 Publisher::Publisher(const Owner& owner, std::function<void(const Answer&)> local)
     : owner_(owner),
       local_(std::move(local)),
-      memory_("haptic-owner", OwnersPages::bytes(owner.devices().size()),
-              SharedMemory::Access::kRead),
+      memory_("haptic-owner", OwnersPages::bytes(owner.devices().size())),
       pages_(*static_cast<OwnersPages*>(memory_.data())),
       told_(owner.devices().size()) {
   for (std::size_t i = 0; i < owner_.devices().size(); ++i) status(i);
@@ -35,11 +32,6 @@ void Publisher::forget_answer(std::uint64_t id) {
 void Publisher::forget_answers() {
   const std::lock_guard lock(mutex_);
   open_.clear();
-}
-
-bool Publisher::full() {
-  const std::lock_guard lock(mutex_);
-  return open_.size() >= kMostOpenRequests;
 }
 
 void Publisher::status(std::size_t device) {
@@ -76,7 +68,8 @@ void Publisher::on_newest(std::size_t device, const SerialisedState& state) {
 
 void Publisher::ring() noexcept {
   pages_.rings.fetch_add(1, std::memory_order_release);
-  syscall(SYS_futex, &pages_.rings, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
+  // One, whatever number of threads a front has wait there: an honest one has one.
+  syscall(SYS_futex, &pages_.rings, FUTEX_WAKE, 1, nullptr, nullptr, 0);
 }
 
 }  // namespace haptic::server

@@ -20,11 +20,10 @@ class Publisher final : public FrontPort {
   /// `local`: gets the answers to the owner's own requests (kLocalIds), on any thread.
   Publisher(const Owner& owner, std::function<void(const Answer&)> local);
 
-  [[nodiscard]] int descriptor() const noexcept { return memory_.descriptor(); }
+  [[nodiscard]] const SharedMemory& memory() const noexcept { return memory_; }
 
-  /// Behind the owner's lock.
-  void judged(const Judged& judged) noexcept { pages_.judged.publish(judged); }
   // One thread, the link's.
+  void judged(const Judged& judged) noexcept { pages_.judged.publish(judged); }
   void facts(const ServerFacts& facts) noexcept { pages_.facts.publish(facts); }
   void totals(std::size_t device, const TickTotals& totals) noexcept {
     pages_.devices[device].totals.publish(totals);
@@ -37,8 +36,6 @@ class Publisher final : public FrontPort {
   /// It will not be answered, as far as the owner can tell.
   void forget_answer(std::uint64_t id);
   void forget_answers();
-  /// So many requests wait that a front may hold back its next stop.
-  [[nodiscard]] bool full();
 
   /// A status is written with the event that changes it, and so often: counts and the time of the
   /// newest tick come by no event.

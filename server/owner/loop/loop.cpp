@@ -9,13 +9,12 @@
 namespace haptic::server {
 
 LoopBody::LoopBody(std::vector<DeviceUnit*> units, Bell& end_of_tick, core::Duration period,
-                   LoopClock& clock, hw::SampleSignal* samples, BeforeTick before_tick)
+                   LoopClock& clock, hw::SampleSignal* samples)
     : units_(std::move(units)),
       end_of_tick_(end_of_tick),
       period_(period),
       clock_(clock),
       samples_(samples),
-      before_tick_(std::move(before_tick)),
       finish_by_ns_(std::numeric_limits<std::int64_t>::max()) {}
 
 void LoopBody::run() noexcept {
@@ -45,7 +44,6 @@ Wake LoopBody::next_sample(hw::SampleSignal& samples, const SampleGrid& grid) no
 }
 
 void LoopBody::tick(const Wake& wake, const core::LoopReport& report) noexcept {
-  if (before_tick_) before_tick_();
   for (DeviceUnit* unit : units_) unit->tick(wake.now, period_, report);
   end_of_tick_.ring();
 
@@ -106,11 +104,10 @@ void Loop::live(const RealtimeRequest& request, RealtimeHost& host) {
   body->run();
 }
 
-void Loop::begin(std::vector<DeviceUnit*> units, Bell& end_of_tick, hw::SampleSignal* samples,
-                 LoopBody::BeforeTick before_tick) {
+void Loop::begin(std::vector<DeviceUnit*> units, Bell& end_of_tick, hw::SampleSignal* samples) {
   to_rehearse_.assign(units.begin(), units.end());
-  body_storage_ = std::make_unique<LoopBody>(std::move(units), end_of_tick, period_, clock_,
-                                             samples, std::move(before_tick));
+  body_storage_ =
+      std::make_unique<LoopBody>(std::move(units), end_of_tick, period_, clock_, samples);
   body_.store(body_storage_.get(), std::memory_order_release);
   begun_.set_value(body_storage_.get());
 }

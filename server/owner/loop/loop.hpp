@@ -11,7 +11,6 @@
 /// The grant comes first because the units are built with what it says (loop_late_fault).
 
 #include <atomic>
-#include <functional>
 #include <future>
 #include <memory>
 #include <thread>
@@ -29,13 +28,10 @@ namespace haptic::server {
 /// The loop's work without its thread: a test runs it on virtual time.
 class LoopBody {
  public:
-  /// Called by the loop's thread just before each tick. Neither waits, allocates nor throws.
-  using BeforeTick = std::function<void()>;
-
   /// All that is passed must outlive the body. `end_of_tick` rings after every tick. `samples`: of
   /// the unit whose device paces the loop; null: the timer does.
   LoopBody(std::vector<DeviceUnit*> units, Bell& end_of_tick, core::Duration period,
-           LoopClock& clock, hw::SampleSignal* samples = nullptr, BeforeTick before_tick = {});
+           LoopClock& clock, hw::SampleSignal* samples = nullptr);
 
   /// Ticks until finish() and its conditions. Allocates nothing.
   void run() noexcept;
@@ -55,7 +51,6 @@ class LoopBody {
   const core::Duration period_;
   LoopClock& clock_;
   hw::SampleSignal* const samples_;
-  const BeforeTick before_tick_;
 
   std::atomic<std::int64_t> finish_by_ns_;
   std::atomic<std::uint64_t> ticks_{0};
@@ -77,8 +72,8 @@ class Loop {
   [[nodiscard]] const RealtimeGrant& grant() const noexcept { return grant_; }
 
   /// Once. The arguments are LoopBody's and must outlive the loop.
-  void begin(std::vector<DeviceUnit*> units, Bell& end_of_tick, hw::SampleSignal* samples = nullptr,
-             LoopBody::BeforeTick before_tick = {});
+  void begin(std::vector<DeviceUnit*> units, Bell& end_of_tick,
+             hw::SampleSignal* samples = nullptr);
   /// Returns when the thread has ended. Idempotent.
   void finish(core::Duration at_most);
 

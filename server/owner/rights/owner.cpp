@@ -174,26 +174,22 @@ void Owner::handle(const Request& request, std::vector<Answer>& answers) {
   if (ending) registry_.remove(request.session_id);
 }
 
-Verdict Owner::accept(const ProxySample& sample, const Turn& /*turn*/) {
+Verdict Owner::accept(const ProxySample& sample) {
+  const std::lock_guard lock(mutex_);
   return devices_.at(sample.device)->sessions.accept(sample);
 }
 
-Verdict Owner::accept(const PoseSample& pose, const Turn& /*turn*/) {
+Verdict Owner::accept(const PoseSample& pose) {
+  const std::lock_guard lock(mutex_);
   return devices_.at(pose.device)->sessions.accept(pose);
 }
 
 void Owner::post(const ProxySample& sample) {
-  Turn turn = this->turn();
-  const Verdict verdict = accept(sample, turn);
-  turn.unlock();
-  tell({sample.ticket, sample.seq, sample.carrier, verdict});
+  tell({sample.ticket, sample.seq, sample.carrier, accept(sample)});
 }
 
 void Owner::post(const PoseSample& pose) {
-  Turn turn = this->turn();
-  const Verdict verdict = accept(pose, turn);
-  turn.unlock();
-  tell({pose.ticket, pose.seq, Carrier::kGrpc, verdict});
+  tell({pose.ticket, pose.seq, Carrier::kGrpc, accept(pose)});
 }
 
 void Owner::tell(const Judged& judged) {

@@ -37,14 +37,9 @@ class Owner final : public OwnerPort {
   void loop_ended();
   /// The front's process is gone, and with it every stream: what can be resumed may be.
   void front_gone();
-  /// The owner's lock, for a caller that posts several samples and passes on the verdicts itself.
-  using Turn = std::unique_lock<std::mutex>;
-  [[nodiscard]] Turn turn() { return Turn(mutex_); }
-  /// Without waiting: it may be another thread's turn.
-  [[nodiscard]] Turn turn_if_free() noexcept { return {mutex_, std::try_to_lock}; }
-  /// post() with the verdict at once, in the caller's turn. Allocates nothing.
-  [[nodiscard]] Verdict accept(const ProxySample& sample, const Turn& turn);
-  [[nodiscard]] Verdict accept(const PoseSample& pose, const Turn& turn);
+  /// post(), for a caller that passes the verdict on itself. Allocates nothing.
+  [[nodiscard]] Verdict accept(const ProxySample& sample);
+  [[nodiscard]] Verdict accept(const PoseSample& pose);
 
   [[nodiscard]] const std::vector<DeviceFacts>& devices() const noexcept override { return facts_; }
   void post(const Request& request) override;

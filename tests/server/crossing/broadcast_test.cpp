@@ -6,18 +6,13 @@
 #include <cstring>
 #include <memory>
 #include <thread>
-#include <vector>
 
 #include "server/crossing/crossing.hpp"
-#include "server/crossing/inbox.hpp"
 
 namespace {
 
 using haptic::server::Broadcast;
-using haptic::server::Inbox;
 using haptic::server::Latest;
-using haptic::server::PlaneSample;
-using haptic::server::ProxySample;
 using haptic::server::SerialisedState;
 
 /// A value whose every word says the same, so that a mixture of two shows.
@@ -140,51 +135,6 @@ TEST(Latest, CopiesTheBytesInUse) {
   latest->publish(state);
   ASSERT_TRUE(latest->newer(seen, got));
   EXPECT_EQ(got.message().size(), SerialisedState::kMost) << "a size that lies stays within";
-}
-
-using Box = Inbox<std::uint64_t, 8>;
-
-TEST(Inbox, GivesTheNewestOfFastWriter) {
-  const auto box = zeroed<Box>();
-  Box::Cursor cursor;
-  for (std::uint64_t i = 0; i < 20; ++i) box->push(i);
-  std::vector<std::uint64_t> got;
-  std::uint64_t value = 0;
-  while (box->take(cursor, value)) got.push_back(value);
-  EXPECT_EQ(got, (std::vector<std::uint64_t>{12, 13, 14, 15, 16, 17, 18, 19}));
-}
-
-TEST(Inbox, ALyingWriterEndsTheReading) {
-  const auto box = zeroed<Box>();
-  // The number of values lies at the beginning: a hostile front writes what it likes there.
-  auto* const head = reinterpret_cast<std::atomic<std::uint64_t>*>(box.get());
-  Box::Cursor cursor;
-  std::uint64_t value = 0;
-  for (const std::uint64_t lie : {~std::uint64_t{0}, std::uint64_t{3}, std::uint64_t{1} << 63,
-                                  std::uint64_t{0}, std::uint64_t{7}, ~std::uint64_t{0} - 3}) {
-    head->store(lie);
-    std::size_t got = 0;
-    while (box->take(cursor, value)) ++got;
-    EXPECT_LE(got, Box::kSlots) << lie;
-    EXPECT_FALSE(box->take(cursor, value)) << lie;
-  }
-}
-
-TEST(Inbox, CopiesThePlanesThatCount) {
-  const auto box = zeroed<Inbox<ProxySample, 2>>();
-  Inbox<ProxySample, 2>::Cursor cursor;
-  auto sample = std::make_unique<ProxySample>(), got = std::make_unique<ProxySample>();
-  for (const std::uint32_t count : {2U, 0U, 32U, 33U, ~0U}) {
-    sample->plane_count = count;
-    for (PlaneSample& plane : sample->planes) plane.offset = count;
-    for (PlaneSample& plane : got->planes) plane.offset = -1.0;
-    box->push(*sample);
-    ASSERT_TRUE(box->take(cursor, *got));
-    EXPECT_EQ(got->plane_count, count);
-    for (std::uint32_t i = 0; i < got->planes.size(); ++i) {
-      EXPECT_EQ(got->planes[i].offset, i < count ? count : -1.0) << count;
-    }
-  }
 }
 
 }  // namespace

@@ -21,7 +21,6 @@ FrontConfig full() {
   FrontConfig config;
   config.scene = "a scene";
   config.log_level = "warn";
-  config.log_format = "json";
   config.addresses = {{"unix:/a folder/s", Use::kGrpc, Protection::kThisHost, 1},
                       {"localhost:7", Use::kWeb, Protection::kTls, 2},
                       {"0.0.0.0:9", Use::kMetrics, Protection::kInsecureLab, 1}};

@@ -76,7 +76,7 @@ TEST(Layout, TwoSwappedDoublesChangeIt) {
 TEST(Layout, ReachesWhatAValueHolds) {
   EXPECT_NE(layout<Maybe<told::Gains>>(), layout<Maybe<swapped::Gains>>());
   EXPECT_NE(layout_of_fields<told::Outer>(), layout_of_fields<swapped::Outer>());
-  EXPECT_NE(layout<OwnersPages>(), layout<FrontsPages>());
+  EXPECT_NE(layout<ProxySample>(), layout<PoseSample>());
 }
 
 TEST(Layout, BoolsAndOptionalsMustNotCross) {

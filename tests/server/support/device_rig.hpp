@@ -102,7 +102,7 @@ class DeviceRig {
                                .arrival = now,
                                .mode = outside ? core::ProxyMode::kFree : core::ProxyMode::kHeld,
                                .position = {a, b}};
-    return owner->accept(sample, owner->turn()).verdict;
+    return owner->accept(sample).verdict;
   }
 
   /// One sample per tick.

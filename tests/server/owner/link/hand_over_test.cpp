@@ -1,8 +1,11 @@
 // Files and sockets that the owner opens for its fronts.
 #include "server/owner/link/hand_over.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <linux/filter.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -84,31 +87,91 @@ TEST_F(NamedFileTest, OpenSecretsAreRefused) {
   EXPECT_EQ(opened(file_.path()), "no error");
 }
 
-TEST(HandOver, FrontsGetTheSameListeningSockets) {
-  const ServerScene scene{.listen = {"127.0.0.1:0"}, .udp_listen = "127.0.0.1:0"};
-  const HandOver hand_over(front_config(scene, false), scene, "/no/page");
-  const auto port = [](const Descriptor& socket) {
-    sockaddr_storage name{};
-    socklen_t size = sizeof name;
-    EXPECT_EQ(getsockname(socket.get(), reinterpret_cast<sockaddr*>(&name), &size), 0);
-    std::uint16_t number = 0;  // at the same place in every family
-    std::memcpy(&number, reinterpret_cast<const char*>(&name) + 2, sizeof number);
-    return number;
-  };
-  const FrontStart first = hand_over.start(), second = hand_over.start();
-  ASSERT_EQ(first.sockets.size(), sockets_of(first.config));
-  ASSERT_EQ(first.sockets.size(), 2U);
-  int listens = 0;
-  socklen_t size = sizeof listens;
-  getsockopt(first.sockets[0].get(), SOL_SOCKET, SO_ACCEPTCONN, &listens, &size);
-  EXPECT_EQ(listens, 1);
-  for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_NE(port(first.sockets[i]), 0);
-    EXPECT_EQ(port(first.sockets[i]), port(second.sockets[i]));
+std::uint16_t port(const Descriptor& socket) {
+  sockaddr_storage name{};
+  socklen_t size = sizeof name;
+  EXPECT_EQ(getsockname(socket.get(), reinterpret_cast<sockaddr*>(&name), &size), 0);
+  std::uint16_t number = 0;  // at the same place in every family
+  std::memcpy(&number, reinterpret_cast<const char*>(&name) + 2, sizeof number);
+  return number;
+}
+
+bool listens(const Descriptor& socket) {
+  int value = 0;
+  socklen_t size = sizeof value;
+  getsockopt(socket.get(), SOL_SOCKET, SO_ACCEPTCONN, &value, &size);
+  return value == 1;
+}
+
+/// A TCP and a UDP socket, and one with a path.
+class ListenersTest : public testing::Test {
+ protected:
+  /// Copies, as a front gets them.
+  std::vector<Descriptor> sockets() { return listeners_.sockets(); }
+  /// They serve, and no other program gets the port.
+  void expect_well() {
+    const std::vector<Descriptor> now = sockets();
+    ASSERT_EQ(now.size(), 3U);
+    EXPECT_TRUE(listens(now[0]));
+    EXPECT_TRUE(listens(now[1]));
+    EXPECT_EQ(port(now[0]), port_);
+    EXPECT_NE(port(now[2]), 0);
+    sockaddr_storage peer{};
+    socklen_t size = sizeof peer;
+    EXPECT_EQ(getpeername(now[2].get(), reinterpret_cast<sockaddr*>(&peer), &size), -1);
+    EXPECT_THAT(refusal([&] { const Listeners other({.listen = {address()}}, false); }),
+                HasSubstr("in use"));
+    EXPECT_THAT(refusal([&] { const Listeners other({.listen = {path_}}, false); }),
+                HasSubstr("in use"));
   }
-  // Nobody takes the port while no front has it.
-  EXPECT_THAT(refusal([&] { const Listeners other({.listen = hand_over.addresses()}, false); }),
-              HasSubstr("in use"));
+  [[nodiscard]] std::string address() const { return listeners_.addresses()[0].name; }
+
+  const test::ScratchFolder folder_{};
+  const std::string path_{"unix:" + (folder_.path() / "a b").string()};
+  Listeners listeners_{{.listen = {"127.0.0.1:0", path_}, .udp_listen = "127.0.0.1:0"}, false};
+  const std::uint16_t port_{port(listeners_.sockets()[0])};
+};
+
+TEST_F(ListenersTest, EveryFrontGetsTheSame) {
+  expect_well();
+  listeners_.check();
+  expect_well();
+}
+
+TEST_F(ListenersTest, ChangedOnesAreOpenedAgain) {
+  const auto change = [this](const auto& act) {
+    act(sockets());
+    listeners_.check();
+    expect_well();
+  };
+  change([](const auto& had) { shutdown(had[0].get(), SHUT_RDWR); });
+  change([](const auto& had) { shutdown(had[1].get(), SHUT_RDWR); });
+  change([](const auto& had) {
+    sockaddr_in away{};
+    away.sin_family = AF_INET;
+    away.sin_port = htons(9);
+    away.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    ASSERT_EQ(connect(had[2].get(), reinterpret_cast<sockaddr*>(&away), sizeof away), 0);
+  });
+  for (const std::size_t socket : {0U, 2U}) {
+    change([socket](const auto& had) {
+      sock_filter drop{BPF_RET | BPF_K, 0, 0, 0};
+      const sock_fprog program{1, &drop};
+      const int on = 1, off = 0;
+      setsockopt(had[socket].get(), SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof program);
+      setsockopt(had[socket].get(), SOL_SOCKET, SO_LOCK_FILTER, &on, sizeof on);
+      setsockopt(had[socket].get(), SOL_SOCKET, SO_REUSEPORT, &off, sizeof off);
+      fcntl(had[socket].get(), F_SETFL, 0);
+    });
+  }
+  for (const Descriptor& each : sockets()) EXPECT_NE(fcntl(each.get(), F_GETFL) & O_NONBLOCK, 0);
+}
+
+TEST_F(ListenersTest, OldCopiesServeNoMore) {
+  const std::vector<Descriptor> had = sockets();
+  listeners_.try_to_open_again();
+  expect_well();
+  EXPECT_FALSE(listens(had[0]));
 }
 
 TEST(Listeners, AnAddressInUseIsNamed) {
@@ -130,7 +193,7 @@ TEST(Listeners, AnAddressInUseIsNamed) {
 
 TEST(HandOver, TooMuchIsRefused) {
   FrontConfig config;
-  config.addresses = {{"127.0.0.1:1", FrontConfig::Use::kGrpc, Protection::kThisHost, 250}};
+  config.addresses = {{"127.0.0.1:1", FrontConfig::Use::kGrpc, Protection::kThisHost, 251}};
   EXPECT_THAT(refusal([&] { static_cast<void>(to_memory(config)); }),
               HasSubstr("254 descriptors: at most 253"));
   config.addresses.clear();

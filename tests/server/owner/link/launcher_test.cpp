@@ -1,5 +1,6 @@
 #include "server/owner/link/launcher.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/wait.h>
@@ -16,6 +17,10 @@ using haptic::server::Descriptor;
 using haptic::server::Launcher;
 using haptic::server::packet_pair;
 using Notice = Launcher::Notice;
+
+Descriptor null() {
+  return Descriptor(open("/dev/null", O_RDWR | O_CLOEXEC));
+}
 
 std::optional<Notice> wait_for(Launcher& launcher) {
   pollfd wait{launcher.descriptor(), POLLIN, 0};
@@ -42,7 +47,7 @@ std::string told_by(const std::string& script, std::optional<int> loop_cpu = {})
   const Script program("exec >&3; " + script);
   Launcher launcher(program.path(), {64U << 20U, 0, 5, loop_cpu});
   auto [here, there] = packet_pair();
-  launcher.start(std::move(there));
+  launcher.start(std::move(there), null());
   while (const auto notice = wait_for(launcher)) {
     if (notice->kind == Notice::Kind::kEnded) break;
   }
@@ -58,7 +63,7 @@ TEST(Launcher, TellsHowAFrontEnded) {
   const Script program("exit 7");
   Launcher launcher(program.path(), {});
   auto [here, there] = packet_pair();
-  launcher.start(std::move(there));
+  launcher.start(std::move(there), null());
   const auto started = wait_for(launcher);
   ASSERT_TRUE(started);
   EXPECT_EQ(started->kind, Notice::Kind::kStarted);
@@ -73,7 +78,7 @@ TEST(Launcher, EndsAFrontThatHangs) {
   const Script program("exec sleep 1000");
   Launcher launcher(program.path(), {});
   auto [here, there] = packet_pair();
-  launcher.start(std::move(there));
+  launcher.start(std::move(there), null());
   const auto started = wait_for(launcher);
   ASSERT_TRUE(started);
   ASSERT_EQ(kill(started->pid, SIGSTOP), 0);
@@ -89,7 +94,7 @@ TEST(Launcher, FrontsEndWithIt) {
     const Script program("exec sleep 1000");
     Launcher launcher(program.path(), {});
     auto [here, there] = packet_pair();
-    launcher.start(std::move(there));
+    launcher.start(std::move(there), null());
     const auto started = wait_for(launcher);
     ASSERT_TRUE(started);
     front = started->pid;
@@ -103,7 +108,7 @@ TEST(Launcher, OnlyFrontsAreKilled) {
   Launcher launcher(program.path(), {});
   launcher.kill(getpid());  // no child of the launcher
   auto [here, there] = packet_pair();
-  launcher.start(std::move(there));
+  launcher.start(std::move(there), null());
   EXPECT_TRUE(wait_for(launcher));
 }
 
@@ -157,6 +162,38 @@ TEST(Launcher, FrontsKeepOffTheLoopsCore) {
   if (cores > 1) {
     EXPECT_EQ(told_by("grep -c 'Cpus_allowed_list:.*\\b0\\b' /proc/self/status", 0), "0\n");
   }
+}
+
+TEST(Launcher, FrontsHoldNoStreamOfOthers) {
+  const Script program("cat; echo out; echo err >&2");
+  Launcher launcher(program.path(), {});
+  auto [here, there] = packet_pair();
+  auto [log, its_log] = packet_pair();
+  launcher.start(std::move(there), std::move(its_log));
+  while (const auto notice = wait_for(launcher)) {
+    if (notice->kind == Notice::Kind::kEnded) break;
+  }
+  std::array<char, 4> word{};
+  for (const char* said : {"out\n", "err\n"}) {
+    ASSERT_EQ(haptic::server::receive(log.get(), word), haptic::server::Received::kMessage);
+    EXPECT_EQ(std::string(word.data(), word.size()), said);
+  }
+}
+
+TEST(Launcher, ThatIsStoppedIsSilent) {
+  constexpr auto kLater = 2 * Launcher::kPatience;
+  Launcher launcher("/bin/true", {});
+  haptic::core::TimePoint now(std::chrono::hours(1));
+  EXPECT_FALSE(launcher.is_silent(now));
+  ASSERT_TRUE(wait_for(launcher));
+  EXPECT_FALSE(launcher.is_silent(now += kLater)) << "it answered";
+  ASSERT_TRUE(wait_for(launcher));
+  ASSERT_EQ(kill(launcher.pid(), SIGSTOP), 0);
+  EXPECT_FALSE(launcher.is_silent(now += kLater)) << "it is asked";
+  EXPECT_TRUE(launcher.is_silent(now += kLater));
+  ASSERT_EQ(kill(launcher.pid(), SIGCONT), 0);
+  ASSERT_TRUE(wait_for(launcher));
+  EXPECT_FALSE(launcher.is_silent(now));
 }
 
 TEST(Launcher, AFrontInheritsItsLinkAlone) {

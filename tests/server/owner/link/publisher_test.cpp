@@ -2,7 +2,6 @@
 #include "server/owner/link/publisher.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "tests/server/support/device_rig.hpp"
 
@@ -22,8 +21,7 @@ class PublisherTest : public testing::Test {
   DeviceRig rig{};
   const std::shared_ptr<Publisher> publisher =
       std::make_shared<Publisher>(*rig.owner, [](const server::Answer&) {});
-  const server::SharedMemory memory{server::Descriptor(dup(publisher->descriptor())),
-                                    OwnersPages::bytes(1), server::SharedMemory::Access::kRead};
+  const server::SharedMemory memory{publisher->memory().for_reader(), OwnersPages::bytes(1)};
   const OwnersPages& pages = *static_cast<const OwnersPages*>(memory.data());
   std::uint64_t seen{0};
   DeviceStatus status{};

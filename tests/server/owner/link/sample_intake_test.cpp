@@ -2,11 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <limits>
 #include <memory>
-#include <thread>
 
+#include "server/owner/link/front_requests.hpp"
 #include "tests/server/support/device_rig.hpp"
 #include "tests/support/allocation_guard.hpp"
 
@@ -17,13 +16,14 @@ using server::Carrier;
 using server::IngressVerdict;
 using server::ProxySample;
 using server::SampleIntake;
+using server::SampleKind;
+using server::StopAhead;
 
 class IntakeTest : public testing::Test {
  protected:
   void SetUp() override {
     rig.control();
     rig.tick(20);
-    intake.serve(front.get());
   }
   ProxySample sample(double a) {
     return {.epoch = rig.epoch,
@@ -32,8 +32,12 @@ class IntakeTest : public testing::Test {
             .mode = core::ProxyMode::kHeld,
             .position = {a, 0.0}};
   }
+  template <typename T>
+  void send(SampleKind kind, const T& value) {
+    ASSERT_TRUE(send_sample(front.its_samples.get(), kind, value));
+  }
   void push(int samples) {
-    for (int i = 0; i < samples; ++i) front->proxies.push(sample(0.01));
+    for (int i = 0; i < samples; ++i) send(SampleKind::kProxy, sample(0.01));
   }
   std::uint64_t used() {
     rig.tick();
@@ -42,34 +46,15 @@ class IntakeTest : public testing::Test {
   DeviceRig rig{};
   server::Publisher publisher{*rig.owner, {}};
   SampleIntake intake{*rig.owner, publisher};
-  std::unique_ptr<server::FrontsPages> front = std::make_unique<server::FrontsPages>();
+  server::FrontProcess front{1, {}};
 };
-
-TEST_F(IntakeTest, ATickTakesAFew) {
-  push(SampleIntake::kPerTick + 1);
-  intake.take_for_tick();
-  EXPECT_EQ(used(), static_cast<unsigned>(SampleIntake::kPerTick));
-  EXPECT_FALSE(intake.take()) << "that was the last one";
-  EXPECT_EQ(used(), static_cast<unsigned>(SampleIntake::kPerTick) + 1);
-}
 
 TEST_F(IntakeTest, ALongQueueTakesSeveralTurns) {
   push(SampleIntake::kPerTurn + 1);
-  EXPECT_TRUE(intake.take());
-  EXPECT_FALSE(intake.take());
+  EXPECT_TRUE(intake.take(front));
+  EXPECT_EQ(used(), static_cast<unsigned>(SampleIntake::kPerTurn));
+  EXPECT_TRUE(intake.take(front));
   EXPECT_EQ(used(), static_cast<unsigned>(SampleIntake::kPerTurn) + 1);
-}
-
-TEST_F(IntakeTest, TheLoopWaitsForNobody) {
-  push(1);
-  {
-    const auto turn = rig.owner->turn();
-    std::thread loop([&] { intake.take_for_tick(); });
-    loop.join();
-  }
-  EXPECT_EQ(used(), 0U);
-  intake.take_for_tick();
-  EXPECT_EQ(used(), 1U);
 }
 
 TEST_F(IntakeTest, NoVerdictAllocates) {
@@ -85,9 +70,9 @@ TEST_F(IntakeTest, NoVerdictAllocates) {
   samples[7].planes[0] = {{1.0, std::numeric_limits<double>::infinity()}, 1e300};
   samples[8].seq = 0;
   for (const ProxySample& one : samples) {
-    front->proxies.push(one);
+    send(SampleKind::kProxy, one);
     const AllocationGuard guard;
-    intake.take_for_tick();
+    EXPECT_TRUE(intake.take(front));
     EXPECT_EQ(guard.allocations(), 0U);
     EXPECT_EQ(guard.releases(), 0U);
   }
@@ -96,40 +81,41 @@ TEST_F(IntakeTest, NoVerdictAllocates) {
   EXPECT_EQ(counters[IngressVerdict::kBadPlane], 2U);
 }
 
-TEST_F(IntakeTest, OnlyTheServingFrontIsHeard) {
-  push(1);
-  intake.serve(nullptr);
-  intake.take_for_tick();
-  EXPECT_FALSE(intake.take());
-  EXPECT_EQ(used(), 0U);
-}
-
-// A front's pages go when it is replaced. The thread sanitizer sees a look that is too late.
-TEST_F(IntakeTest, PagesMayGoWhileLoopTicks) {
-  std::atomic<bool> end{false};
-  std::thread loop([&] {
-    while (!end.load()) intake.take_for_tick();
-  });
-  for (int i = 0; i < 500; ++i) {
-    push(1);
-    intake.serve(nullptr);
-    front = std::make_unique<server::FrontsPages>();
-    intake.serve(front.get());
-  }
-  end.store(true);
-  loop.join();
-  push(1);
-  intake.take_for_tick();
-  EXPECT_EQ(used(), rig.seq);
-}
-
 TEST_F(IntakeTest, AnotherDevicesNumberIsNobodys) {
   ProxySample odd = sample(0.01);
   odd.device = 1;
-  front->proxies.push(odd);
+  send(SampleKind::kProxy, odd);
+  send(SampleKind::kStopAhead, StopAhead{1, "why"});
   push(1);
-  intake.take_for_tick();
+  EXPECT_TRUE(intake.take(front));
   EXPECT_EQ(used(), 2U);
+  EXPECT_TRUE(front.stops.empty());
+}
+
+TEST_F(IntakeTest, AStopWaitsForNoRequest) {
+  server::FrontRequests requests(*rig.owner, publisher);
+  rig.owner->connect(std::shared_ptr<server::Publisher>(&publisher, [](auto*) {}));
+  push(1);
+  send(SampleKind::kStopAhead, StopAhead{0, "hot"});
+  EXPECT_TRUE(intake.take(front));
+  requests.take_stops(front, rig.now);
+  EXPECT_TRUE(front.stops.empty());
+  // A second one while the first is under way is kept until that is answered.
+  send(SampleKind::kStopAhead, StopAhead{0, "hotter"});
+  EXPECT_TRUE(intake.take(front));
+  requests.take_stops(front, rig.now);
+  EXPECT_EQ(front.stops.size(), 1U);
+  rig.tick();
+  EXPECT_EQ(rig.state(), core::LifecycleState::kFault);
+}
+
+TEST_F(IntakeTest, WhatNoFrontSendsEndsIt) {
+  const std::uint64_t unknown = 77;
+  EXPECT_TRUE(server::send_bytes(front.its_samples.get(), server::bytes_of(unknown)));
+  EXPECT_FALSE(intake.take(front));
+  const int descriptor = front.its_link.get();
+  EXPECT_TRUE(server::send(front.its_samples.get(), unknown, std::span(&descriptor, 1)));
+  EXPECT_FALSE(intake.take(front)) << "descriptors";
 }
 
 }  // namespace

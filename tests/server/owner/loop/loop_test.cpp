@@ -84,16 +84,6 @@ TEST_F(VirtualLoop, TicksOnTheGridUntilStopped) {
   EXPECT_EQ(body.statistics().ticks, 10u);
 }
 
-TEST_F(VirtualLoop, SamplesAreTakenBeforeEachTick) {
-  std::vector<std::uint64_t> ticks;
-  LoopBody taking{{rig.unit.get()}, rig.telemetry->bell(), 1ms, clock, nullptr, [&] {
-                    ticks.push_back(taking.statistics().ticks);
-                  }};
-  taking.finish(kFirstDeadline + 2ms);
-  taking.run();
-  EXPECT_EQ(ticks, (std::vector<std::uint64_t>{0, 1, 2}));
-}
-
 TEST_F(VirtualLoop, LateWakeIsOneLateTick) {
   clock.late = [](int wait) { return wait == 3 ? Duration(3700us) : Duration::zero(); };
   body.finish(kFirstDeadline + 9ms);

@@ -4,6 +4,7 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <poll.h>
 #include <spdlog/spdlog.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -96,6 +97,9 @@ std::vector<int> look_at(const Descriptor& socket) {
   socklen_t instructions = 0;  // of a filter
   getsockopt(socket.get(), SOL_SOCKET, SO_GET_FILTER, nullptr, &instructions);
   state.push_back(static_cast<int>(instructions));
+  pollfd shut{socket.get(), POLLRDHUP, 0};  // a UNIX socket that was shut down says it listens
+  poll(&shut, 1, 0);
+  state.push_back(shut.revents);
   sockaddr_storage peer{};
   socklen_t size = sizeof peer;
   state.push_back(getpeername(socket.get(), reinterpret_cast<sockaddr*>(&peer), &size));

@@ -148,7 +148,7 @@ TEST(Launcher, FindsAFrontOnlyRootReads) {
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
   Launcher launcher(program, {});
   auto [here, there] = packet_pair();
-  launcher.start(std::move(there));
+  launcher.start(std::move(there), null());
   ASSERT_TRUE(wait_for(launcher));
   const auto ended = wait_for(launcher);
   ASSERT_TRUE(ended);

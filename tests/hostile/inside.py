@@ -184,7 +184,7 @@ MODES = [
     Mode("locks", "F1", SURVIVED, "locks"),
     *[Mode(f"sockets_{how}", "F1", SURVIVED, f"sockets {how}", ends=True)
       for how in ("shut", "filter", "backlog", "link")],
-    Mode("rights", "F1", SURVIVED, "rights"),
+    Mode("rights", "F1", SURVIVED, "rights", ends=True),
     Mode("lingering", "F1", SURVIVED, "lingering", ends=True),
     Mode("operates", "F1", "force within its limits", "operate", 4.0),
     Mode("clears", "F2", "a local stop stays", "clears", after=stays_stopped),

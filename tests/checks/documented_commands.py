@@ -120,6 +120,7 @@ SCRIPTS = {
     "tests/checks/firmware.sh": ("tests/checks/CMakeLists.txt", "firmware.sh arm-none-eabi-gcc"),
     "tests/relay/matrix.sh": ELSEWHERE["tests/relay/matrix.sh"],
     "tests/hostile/run.sh": ("tests/hostile/CMakeLists.txt", "/run.sh --build"),
+    "tests/hostile/kernel.sh": ("tests/hostile/CMakeLists.txt", "/kernel.sh"),
     "tests/report/run.sh": ("tests/report/run_test.sh", '"$here/run.sh" --build'),
     "tests/bench/run.sh": ("tests/checks/long_commands_test.sh", "tests/bench/run.sh"),
     "tests/bench/network.sh": ("tests/checks/long_commands_test.sh", "tests/bench/network.sh"),

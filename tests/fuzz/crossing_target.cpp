@@ -118,9 +118,11 @@ class Crossing {
     send_sample(world_.front.its_samples.get(), kind, value);
   }
 
-  /// Does what FrontLink::turn() does, and does not end a front that sends junk.
+  /// Does what FrontLink::turn() does, and does not end a front that sends junk: takes it away.
   void turn() {
-    static_cast<void>(intake_.take(world_.front));
+    if (!intake_.take(world_.front)) {
+      static_cast<void>(take_bytes(world_.front.samples.get(), {}));
+    }
     FrontMessage& message = world_.message;
     for (; sent_ > 0; --sent_) {
       const Received got = receive(world_.front.link.get(), message);

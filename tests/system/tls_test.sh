@@ -67,7 +67,7 @@ says 1 'must be that of the certificate' "$hapticd" --scene "$scene" --check-sce
 says 1 'OpenSSL refuses it: ee key too small' "$hapticd" --scene "$scene" --check-scene --set \
   "server.tls={certificate: \"$folder/weak.pem\" key: \"$folder/weak.key\"}"
 says 0 'ok' "$hapticd" --scene "$scene" --check-scene --set "$tls"
-says 0 ' UTC, in 1 days: give a new one' "$hapticd" --scene "$scene" --check-scene --set "$tls"
+says 0 ' days: give a new one' "$hapticd" --scene "$scene" --check-scene --set "$tls"
 
 "$hapticd" --scene "$scene" --listen 127.0.0.1:0 --listen "unix:$folder/s" --set "$tls" \
   --set 'server.udp_listen="127.0.0.1:0"' --set loop.late_bucket_full=1000000 \

@@ -26,10 +26,11 @@ using Use = FrontConfig::Use;
   throw core::TransportError("listen address '" + address + "': " + why);
 }
 
-/// A process accepts connections there.
+/// A process listens there, also if it takes no connections at the moment.
 bool answers(const sockaddr_un& name) {
-  const Descriptor caller(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  return connect(caller.get(), reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0;
+  const Descriptor caller(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  return connect(caller.get(), reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0 ||
+         errno == EAGAIN;
 }
 
 sockaddr_un unix_name(const std::string& path) {

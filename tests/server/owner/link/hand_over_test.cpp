@@ -8,8 +8,10 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 
@@ -189,6 +191,25 @@ TEST(Listeners, AnAddressInUseIsNamed) {
   }
   EXPECT_EQ(refused({.listen = {path}}), "no error") << "its server ended";
   EXPECT_THAT(refused({.listen = {path}, .udp_listen = "0.0.0.0:0"}), HasSubstr("server.tls"));
+}
+
+TEST(Listeners, AFullQueueMeansInUse) {
+  const test::ScratchFolder folder;
+  const std::string path = (folder.path() / "full").string();
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  path.copy(name.sun_path, sizeof name.sun_path - 1);
+  const auto* const address = reinterpret_cast<const sockaddr*>(&name);
+  const Descriptor server(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  ASSERT_EQ(bind(server.get(), address, sizeof name), 0);
+  ASSERT_EQ(listen(server.get(), 0), 0);
+  std::vector<Descriptor> callers;
+  do {
+    callers.emplace_back(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  } while (connect(callers.back().get(), address, sizeof name) == 0);
+  ASSERT_EQ(errno, EAGAIN);
+  EXPECT_THAT(refusal([&] { const Listeners other({.listen = {"unix:" + path}}, false); }),
+              HasSubstr("in use by another process"));
 }
 
 TEST(HandOver, TooMuchIsRefused) {

@@ -46,7 +46,7 @@ inline constexpr const char* kAbstractPrefix = "hapticd/";
   return digits;
 }
 
-/// "127.0.0.1:29470", "[::1]:29470"; an IPv4 address that is written as one of IPv6 is one of IPv4.
+/// "127.0.0.1:PORT", "[::1]:PORT"; an IPv4 address that is written as one of IPv6 is one of IPv4.
 [[nodiscard]] inline std::string endpoint_name(const sockaddr& address) {
   sockaddr_in v4{};
   const sockaddr* named = &address;

@@ -25,7 +25,8 @@ struct FrontClaims {
   /// say.
   std::optional<std::uint64_t> connections{};
 
-  /// Samples come and somebody is in control, but no client is connected: the front plays one.
+  /// A client is in control and its samples come, but the kernel knows no connection: the front
+  /// plays the client.
   [[nodiscard]] bool front_plays_a_client() const;
 };
 

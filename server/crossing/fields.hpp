@@ -116,6 +116,18 @@ consteval std::string_view field_name() noexcept {
 #pragma clang diagnostic pop
 #endif
 
+/// The name of a value of an enumeration, without that of its type; of one without a name a number.
+template <auto value>
+consteval std::string_view value_name() noexcept {
+  // "... address = S::kStop]", or "... address = (S)7]".
+  std::string_view name = named::spelled<value>();
+  if (const std::size_t end = name.rfind(';'); end != std::string_view::npos) {
+    name = name.substr(0, end);  // gcc goes on with "; std::string_view = ..."
+  }
+  name = name.substr(0, name.rfind(']'));
+  return name.substr(name.find_last_of(":)") + 1);
+}
+
 /// Calls visit(name, field) for each field of `value`, in their order.
 template <typename T, typename Visit>
 constexpr void for_each_field(T& value, Visit&& visit) {

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "haptic/core/fault.hpp"
 #include "server/crossing/fields.hpp"
@@ -39,6 +40,10 @@ struct Held<std::atomic<T>> {
 };
 template <typename T, std::size_t N>
 struct Held<std::array<T, N>> {
+  using Type = T;
+};
+template <typename T>
+struct Held<std::vector<T>> {
   using Type = T;
 };
 
@@ -81,6 +86,18 @@ constexpr std::uint64_t layout_of_fields() noexcept {
   return hash.value();
 }
 
+/// An enumeration's part of the number: another one if a value up to 31 was added, moved or given
+/// another name.
+template <typename T>
+constexpr std::uint64_t layout_of_values() noexcept {
+  LayoutHash hash;
+  [&]<std::size_t... value>(std::index_sequence<value...>) {
+    (hash.add(value_name<static_cast<T>(value)>()), ...);
+  }
+  (std::make_index_sequence<32>());
+  return hash.value();
+}
+
 /// A type's part of the number.
 template <typename T>
 constexpr std::uint64_t layout() noexcept {
@@ -92,6 +109,8 @@ constexpr std::uint64_t layout() noexcept {
     hash.add(layout<Inside>());
   } else if constexpr (std::is_class_v<T> && std::is_aggregate_v<T>) {
     hash.add(layout_of_fields<T>());
+  } else if constexpr (std::is_enum_v<T>) {
+    hash.add(layout_of_values<T>());
   }
   return hash.value();
 }

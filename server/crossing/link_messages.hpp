@@ -19,6 +19,7 @@
 #include <cstdint>
 
 #include "server/crossing/crossing.hpp"
+#include "server/crossing/front_config.hpp"
 #include "server/crossing/sample_socket.hpp"
 #include "server/crossing/shared_layout.hpp"
 
@@ -53,7 +54,8 @@ struct OwnerMessage {
   std::uint64_t hash = kInterface;
   for (const std::uint64_t part :
        {layout<OwnersPages>(), layout<FrontMessage>(), layout<OwnerMessage>(),
-        layout<ProxySample>(), layout<PoseSample>(), layout<StopAhead>()}) {
+        layout<ProxySample>(), layout<PoseSample>(), layout<StopAhead>(), layout<SampleKind>(),
+        layout<FrontConfig>()}) {
     hash = hash * 1099511628211ULL ^ part;
   }
   return hash;

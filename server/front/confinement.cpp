@@ -102,7 +102,7 @@ constexpr scmp_arg_cmp masked(unsigned argument, scmp_datum_t mask, scmp_datum_t
   return {argument, SCMP_CMP_MASKED_EQ, mask, value};
 }
 
-/// Calls of which every argument is allowed: on what is open, on its own memory, threads and time.
+/// Calls that are allowed with any argument: on what is open, on its own memory, threads and time.
 /// refuse_quietly() refuses some of them.
 const char* const kServing[] = {"accept4",
                                 "brk",
@@ -218,10 +218,6 @@ void refuse_quietly(Filter& filter, std::span<const int> shared) {
       filter.add(kRefused, "fcntl", {one, masked(1, kInt, command)});
     }
     filter.add(kRefused, "shutdown", {one});
-    int type = 0;
-    socklen_t size = sizeof type;
-    getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &size);
-    if (type == SOCK_DGRAM) continue;  // every front sets its options again
     filter.add(kRefused, "ioctl", {one, masked(1, kInt, FIONBIO)});
     filter.add(kRefused, "setsockopt", {one});
     // Each wait for it would be a step of the owner's when it reads.

@@ -13,9 +13,9 @@ namespace haptic::server {
 /// need, because no file can be opened afterwards. Seccomp allows the calls that serving needs and
 /// refuses all others with EPERM: to connect, to make or bind sockets, to signal, trace or start
 /// processes, to change scheduling, to share memory, to make memory executable. A call by another
-/// ABI of the processor ends the process. `shared` are descriptors that the owner and the next
-/// front have too: their flags and options cannot be changed, nor can they be copied, shut down or
-/// watched by an epoll; of a datagram socket the options can, and it can be watched. Landlock
+/// ABI of the processor ends the process. `shared` are descriptors of things that the
+/// owner has too: their flags and options cannot be changed, nor can they be copied, shut down or
+/// watched by an epoll. It cannot name the sockets that come later (kGo). Landlock
 /// denies files, ports, names and signals a second time, if the kernel has it. Returns a sentence
 /// for each protection that this kernel lacks, with what holds without it; throws
 /// core::TransportError if the kernel refused what it can do.

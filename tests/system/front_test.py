@@ -187,15 +187,18 @@ class Fronts(unittest.TestCase):
         self.assertGreater(time.monotonic() - began, NOTICED_S)
         until("served again", lambda: "FAULT" in daemon.ctl("info", address=address)[1])
 
-    def test_a_lease_outlives_the_front(self) -> None:
-        daemon = self.hapticd("--set", "server.lease_timeout={seconds: 30}",
-                              scene="finger_soft_grasp")
-        address = daemon.address()
+    def engaged_client(self, daemon: Hapticd, address: str) -> None:
         client = subprocess.Popen([CLIENT, "--server", address], stdout=subprocess.DEVNULL,
                                   stderr=subprocess.DEVNULL)
         self.addCleanup(client.wait)
         self.addCleanup(client.kill)
         daemon.until_said("-> ENGAGED")
+
+    def test_a_lease_outlives_the_front(self) -> None:
+        daemon = self.hapticd("--set", "server.lease_timeout={seconds: 30}",
+                              scene="finger_soft_grasp")
+        address = daemon.address()
+        self.engaged_client(daemon, address)
         for replace in (lambda: daemon.kill_front(signal.SIGKILL),
                         lambda: daemon.ctl("restart-front", address=address)):
             log = len(daemon.text())
@@ -312,11 +315,7 @@ class Fronts(unittest.TestCase):
     def test_health_shows_samples_and_sessions(self) -> None:
         daemon = self.hapticd(scene="finger_soft_grasp")
         address = daemon.address()
-        client = subprocess.Popen([CLIENT, "--server", address], stdout=subprocess.DEVNULL,
-                                  stderr=subprocess.DEVNULL)
-        self.addCleanup(client.wait)
-        self.addCleanup(client.kill)
-        daemon.until_said("-> ENGAGED")
+        self.engaged_client(daemon, address)
 
         def front() -> dict[str, Any]:
             return json.loads(daemon.ctl("--json", "health", address=address)[1])["front"]

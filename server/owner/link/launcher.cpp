@@ -77,8 +77,8 @@ void take_means_away(const FrontLimits& limits) {
   static_cast<void>(::write(first.get(), "1000", 4) == 4);
 }
 
-/// Root becomes nobody, with no group but nobody's. What root may execute it still may until exec,
-/// which takes this last capability away.
+/// If this is root, it becomes the user nobody, with that user's group alone. It keeps one
+/// capability until exec, which takes it away: to run a program that only root may read.
 void take_rights_away() {
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   for (unsigned long capability = 0; capability <= CAP_LAST_CAP; ++capability) {

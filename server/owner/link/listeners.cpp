@@ -56,7 +56,7 @@ void share_port(const Descriptor& socket) {
 
 enum class Port : std::uint8_t { kFree, kOurs };
 
-/// Empty, with errno set: it cannot be bound. kFree: no socket has the name, whoever's.
+/// Empty, with errno set: it cannot be bound. kFree: no socket of any user may have the name yet.
 Descriptor bound(const sockaddr* name, socklen_t size, int type, Port port = Port::kFree) {
   Descriptor made(socket(name->sa_family, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!made) return made;
@@ -232,7 +232,7 @@ void Listeners::open_again(Bound& old) {
                                std::strerror(errno));
   }
   if (file != nullptr) *file = std::make_unique<File>((*file)->path);
-  shutdown(old.socket.get(), SHUT_RDWR);  // whoever has a copy of it
+  shutdown(old.socket.get(), SHUT_RDWR);  // for all processes that have a copy
   old.state = look_at(made);
   old.socket = std::move(made);
 }

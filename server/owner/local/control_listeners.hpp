@@ -4,8 +4,8 @@
 ///   FOLDER/NAME        root and the user that runs hapticd alone, by the file's rights: no other
 ///                      user's flood reaches it
 ///   FOLDER/NAME.all    every user who may enter the folder
-///   @hapticd/NAME      every user of this host, also where there is no folder; whoever comes first
-///                      has such a name, so hapticd only needs it if there is no folder
+///   @hapticd/NAME      every user of this host, also if there is no folder. The first process that
+///                      asks for such a name has it, so hapticd only needs it if there is no folder
 
 #include <string>
 #include <vector>

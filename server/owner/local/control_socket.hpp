@@ -32,7 +32,7 @@ class ControlSocket {
   static constexpr int kMostClosing = 16;  ///< sockets whose close waits
 
   using Handler = std::function<void(const ControlCommand&)>;
-  /// The process may ask nothing, whoever its user is.
+  /// The process may ask nothing, even if its user may.
   using Barred = std::function<bool(pid_t process)>;
 
   /// Throws as ControlListeners.

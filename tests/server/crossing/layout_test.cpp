@@ -73,7 +73,25 @@ TEST(Layout, TwoSwappedDoublesChangeIt) {
   EXPECT_EQ(layout_of_fields<told::Gains>(), layout_of_fields<told::Gains>());
 }
 
+namespace told {
+enum class Kind : std::uint8_t { kStop, kClear };
+}
+namespace swapped {
+enum class Kind : std::uint8_t { kClear, kStop };
+}
+namespace grown {
+enum class Kind : std::uint8_t { kStop, kRelease, kClear };
+}
+
+TEST(Layout, ValuesOfAnEnumerationChangeIt) {
+  EXPECT_EQ(value_name<told::Kind::kClear>(), "kClear");
+  EXPECT_NE(layout_of_values<told::Kind>(), layout_of_values<swapped::Kind>());
+  EXPECT_NE(layout_of_values<told::Kind>(), layout_of_values<grown::Kind>());
+  EXPECT_EQ(layout_of_values<told::Kind>(), layout_of_values<told::Kind>());
+}
+
 TEST(Layout, ReachesWhatAValueHolds) {
+  EXPECT_NE(layout<std::vector<told::Gains>>(), layout<std::vector<swapped::Gains>>());
   EXPECT_NE(layout<Maybe<told::Gains>>(), layout<Maybe<swapped::Gains>>());
   EXPECT_NE(layout_of_fields<told::Outer>(), layout_of_fields<swapped::Outer>());
   EXPECT_NE(layout<ProxySample>(), layout<PoseSample>());

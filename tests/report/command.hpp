@@ -25,6 +25,7 @@ void add_claims(CLI::App& app);
 void add_scan(CLI::App& app);
 void add_radius(CLI::App& app);
 void add_finger(CLI::App& app);
+void add_feel(CLI::App& app);
 void add_felt(CLI::App& app);
 void add_closed_loop(CLI::App& app);
 void add_press(CLI::App& app);

@@ -2,15 +2,14 @@
 /// how far off is the torque at the finger, by renderer, proxy, rate and delay; what a tick costs.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 
 #include "haptic/core/model/finger_exoskeleton.hpp"
+#include "tests/report/bootstrap.hpp"
 #include "tests/report/chosen_linkage.hpp"
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/felt_study.hpp"
-#include "tests/support/link/random.hpp"
 #include "tests/support/percentile.hpp"
 
 namespace haptic::report {
@@ -26,32 +25,6 @@ struct Options {
   std::optional<double> rate{}, delay{};
   int trajectories{200};
 };
-
-struct Interval {
-  double value{0.0}, lower{0.0}, upper{0.0};
-};
-std::string cell(const Interval& interval) {
-  return line_of(interval.value, interval.lower, interval.upper).text;
-}
-
-/// Bootstrap 95 % interval of `statistic`, which gets indices below n; the same in every run.
-template <typename Statistic>
-Interval interval_of(std::size_t n, const Statistic& statistic) {
-  constexpr int kResamples = 1000;
-  std::vector<std::size_t> index(n);
-  std::iota(index.begin(), index.end(), std::size_t{0});
-  Interval interval{statistic(index)};
-  test::Random random(kSeed);
-  std::vector<double> found;
-  for (int i = 0; i < kResamples; ++i) {
-    for (std::size_t& one : index) one = random.next() % n;
-    found.push_back(statistic(index));
-  }
-  std::sort(found.begin(), found.end());
-  interval.lower = found[kResamples * 25 / 1000];
-  interval.upper = found[kResamples * 975 / 1000 - 1];
-  return interval;
-}
 
 double percent(double part, double whole) {
   return whole > 0.0 ? 100.0 * part / whole : NAN;

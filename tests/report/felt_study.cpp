@@ -32,15 +32,15 @@ core::PipelineConfig config_of(const FeltDevice& device, core::RendererKind rend
   return config;
 }
 
-test::ClientSettings client_at(const FeltTrajectory& what, ClientKind kind,
+}  // namespace
+
+test::ClientSettings client_of(const FeltTrajectory& what, ClientKind kind,
                                const Network& network) {
   test::ClientSettings client = client_of(kind, network, {});
   client.object = what.object;
   client.seed = static_cast<std::uint64_t>(what.motion) + 1;
   return client;
 }
-
-}  // namespace
 
 FeltSums& FeltSums::operator+=(const FeltSums& other) noexcept {
   ticks += other.ticks;
@@ -76,8 +76,8 @@ FeltSums run(const FeltTrajectory& what, const FeltDevice& device, const FeltRun
              FeltInputs* inputs) {
   const core::PipelineConfig config = config_of(device, with.renderer);
   const double damping = device.finger.actuator_damping;
-  test::PipelineLoop felt(config, client_at(what, with.client, with.network), damping);
-  test::PipelineLoop ideal(config, client_at(what, ClientKind::kPlanes, {1000.0, 0.0}), damping);
+  test::PipelineLoop felt(config, client_of(what, with.client, with.network), damping);
+  test::PipelineLoop ideal(config, client_of(what, ClientKind::kPlanes, {1000.0, 0.0}), damping);
   hw::FingerPhysics physics(device.finger, config.kinematics, what.aim(0.0));
   BestForce best(config.kinematics->space(), config.scene.stiffness[0],
                  config.scene.force_limit[0]);

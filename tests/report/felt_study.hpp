@@ -53,6 +53,10 @@ struct FeltMotions {
                                        const std::vector<std::string>& recordings, int count,
                                        std::uint64_t seed);
 
+/// A client that knows the object.
+[[nodiscard]] test::ClientSettings client_of(const FeltTrajectory& what, ClientKind kind,
+                                             const Network& network);
+
 /// How a run is rendered and what is between it and its simulation.
 struct FeltRun {
   core::RendererKind renderer{core::RendererKind::kSubspaceLinear};

@@ -35,14 +35,6 @@ core::PipelineConfig pipeline_for(const RandomPress& press, const PressRun& with
   return config;
 }
 
-test::ClientSettings client_of(const RandomPress& press) {
-  const PressClient& how = kPressClients[press.client];
-  test::ClientSettings client = client_of(how.kind, how.network, {});
-  client.walls = press.planes;
-  client.seed = static_cast<std::uint64_t>(press.index) + 1;
-  return client;
-}
-
 Eigen::Vector2d degrees(const Pair& deg) {
   return Eigen::Vector2d(deg.first, deg.second) * kDegree;
 }
@@ -124,6 +116,19 @@ void Judge::account(const PressStudyTick& tick, bool engaged, bool resting, Pres
 
 }  // namespace
 
+test::ClientSettings client_of(const RandomPress& press) {
+  const PressClient& how = kPressClients[press.client];
+  test::ClientSettings client = client_of(how.kind, how.network, {});
+  client.walls = press.planes;
+  client.seed = static_cast<std::uint64_t>(press.index) + 1;
+  return client;
+}
+
+Eigen::Vector2d aim_of(const RandomPress& press, double t) {
+  const Eigen::Vector2d start = degrees(press.start_deg), aim = degrees(press.aim_deg);
+  return start + hw::minimum_jerk(t / press.rise_s) * (aim - start);
+}
+
 double default_tank(const RandomPress& press) {
   const double window = 0.25 * 25.0;
   return 0.5 * window * window / press.stiffness;
@@ -172,17 +177,14 @@ RandomPress random_press(std::uint64_t seed, int index, const core::Kinematics& 
 PressFigures run(const RandomPress& press, const PressRun& with,
                  const std::shared_ptr<const core::Kinematics>& finger,
                  const std::function<void(const PressStudyTick&)>& observe) {
-  const Eigen::Vector2d start = degrees(press.start_deg), aim = degrees(press.aim_deg);
-  hw::FingerPhysics physics({}, finger, start);
+  hw::FingerPhysics physics({}, finger, degrees(press.start_deg));
   test::PipelineLoop loop(pipeline_for(press, with, finger), client_of(press), kFingerDamping);
   Judge judge(press, *finger);
   PressFigures figures;
   const auto tick_of = [](double t) { return static_cast<int>(std::lround(t * 1000.0)); };
   const double end_s = kLeave_s + press.rise_s + kRest_s;
   const int last = tick_of(end_s);
-  const auto hand = [&](double t) {
-    return start + hw::minimum_jerk((t - kLeave_s) / press.rise_s) * (aim - start);
-  };
+  const auto hand = [&](double t) { return aim_of(press, t - kLeave_s); };
   for (int k = 1; k <= last; ++k) {
     const double t = k * test::PipelineLoop::kTick_s;
     if (with.force && k == tick_of(kEngage_s)) loop.engage();

@@ -46,6 +46,11 @@ struct RandomPress {
 [[nodiscard]] RandomPress random_press(std::uint64_t seed, int index,
                                        const core::Kinematics& finger);
 
+/// The client with its number in kPressClients.
+[[nodiscard]] test::ClientSettings client_of(const RandomPress& press);
+/// Aim of its hand, `t` s after it leaves, rad.
+[[nodiscard]] Eigen::Vector2d aim_of(const RandomPress& press, double t);
+
 /// tank_0 in J of a finger's scene that names no tank (core/METHOD.md#safe-by-default): its engage
 /// window is a quarter of 25 N.
 [[nodiscard]] double default_tank(const RandomPress& press);

@@ -6,7 +6,7 @@
 #   tests/report/run.sh bits [--help]   is no figure: bits/run.sh
 #
 #   part           linkage fig4 recordings scan radius claims finger press
-#                  closed_loop rate felt rtt scaling work_precision; default: all
+#                  closed_loop rate felt feel rtt scaling work_precision; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
 #
@@ -31,7 +31,7 @@ while (($#)); do
 done
 ((${#parts[@]})) ||
   parts=(linkage fig4 recordings scan radius claims finger press closed_loop rate felt
-    rtt scaling work_precision)
+    feel rtt scaling work_precision)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -305,6 +305,27 @@ make_felt() {
     >"$output/felt_networks.csv"
   awk -F, 'NR == 1 || ($5 != "all" && $1 == "subspace_linear" && $3 == 60 && $4 == 20)' \
     "$output/felt.csv" >"$output/felt_of.csv"
+}
+make_feel() {
+  local linkage=finger_same_sign rough="--noise 5um_0.05deg" worst run  # the scenes' linkage
+  csv feel feel
+  csv feel_more feel --method subspace_linear $rough
+  tail -n +2 "$output/feel_more.csv" >>"$output/feel.csv"
+  csv feel_more feel --drive $rough
+  tail -n +2 "$output/feel_more.csv" >>"$output/feel.csv"
+  csv feel_more feel --stiffness 3000 $rough
+  tail -n +2 "$output/feel_more.csv" >>"$output/feel.csv"
+  # The ten that are worst by what a hand notices.
+  csv feel_each feel --each $rough
+  worst=$(awk -F, 'NR > 1 { print $6, $2 ":" $3 }' "$output/feel_each.csv" |
+    sort -grk1 | awk 'NR <= 10 { print $2 }' | tr '\n' ' ')
+  for run in $worst; do
+    csv feel_more feel --trace "${run%:*}" --index "${run#*:}" $rough
+    cat "$output/feel_more.csv"
+  done | awk 'NR == 1 || !/^noise/' >"$output/feel_worst.csv"
+  rm "$output/feel_more.csv"
+  draw feel_worst feel_worst "csv='$output/feel_worst.csv'; runs='$worst';
+    heading='Worst ten of 850, sensors with noise of 5 um and 0.05 deg'"
 }
 make_rtt() {
   local linkage=finger_same_sign file peer trip motions=()  # the scenes' linkage

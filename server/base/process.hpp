@@ -8,6 +8,12 @@ namespace haptic::server {
 
 /// Resident memory of this process, bytes; 0: not known. The first call opens the file for all.
 [[nodiscard]] std::uint64_t resident_bytes();
+/// Its part that is no file's: programs and libraries come and go as the kernel likes.
+[[nodiscard]] std::uint64_t own_bytes();
+
+/// Gives back the memory of programs and libraries of which only the start has need so far: what
+/// is wanted again is mapped again.
+void forget_the_start();
 
 /// 128 bits from the kernel, in hex. So few never fail once the system has started, unlike the
 /// processor's own source behind std::random_device, which may run out and then throws.

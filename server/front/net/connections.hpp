@@ -45,7 +45,7 @@ struct ConnectionLimits {
   std::uint64_t debt_of_all{512 * 1024};
   unsigned calls{256};  ///< of a connection that gRPC has, taken back by the peer or not
   std::uint64_t forgiven_per_second{1024};   ///< pings, health checks
-  std::uint64_t growth{8ull * 1024 * 1024};  ///< of the process's resident memory, within 1 s
+  std::uint64_t growth{8ull * 1024 * 1024};  ///< of the process's own memory, within 1 s
   /// Memory of the process, as malloc counts it. 256 connections, sessions and watches take 20 MB.
   std::uint64_t memory{32ull * 1024 * 1024};
 };

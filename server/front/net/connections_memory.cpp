@@ -31,7 +31,7 @@ std::uint64_t heap_in_use() {
 }  // namespace
 
 void Connections::look_at_memory(core::TimePoint now) {
-  const std::uint64_t size = resident_bytes();
+  const std::uint64_t size = own_bytes();
   if (resident_ != 0 && size > resident_ + limits_.growth) {
     resident_ = size;
     cut_suspects(now);
@@ -44,7 +44,7 @@ void Connections::look_at_memory(core::TimePoint now) {
   memory_at_ = now;
   // Memory that an attack leaves behind is given back, so that the next one is seen to grow.
   if (std::exchange(trim_, false)) malloc_trim(0);
-  resident_ = resident_bytes();
+  resident_ = own_bytes();
   if (resident_ > limits_.memory && heap_in_use() > limits_.memory) cut_suspects(now);
 }
 

@@ -1,6 +1,7 @@
 #include "server/front/web/web_content.hpp"
 
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -47,24 +48,33 @@ const char* type_of(const fs::path& file) {
 
 Page load_page(const fs::path& folder) {
   Page page;
-  std::error_code none;
+  std::error_code why;
+  const fs::path leads_to = fs::read_symlink(folder, why);
+  const fs::path name = why ? folder : leads_to;
+  const auto unreadable = [](const fs::path& what) {
+    return core::TransportError("page: '" + what.string() + "' cannot be read by user " +
+                                std::to_string(geteuid()));
+  };
+  fs::recursive_directory_iterator entries(folder, why);
+  if (why == std::errc::permission_denied) throw unreadable(name);
   std::size_t bytes = 0;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, none)) {
+  for (const fs::directory_entry& entry : entries) {
     if (!entry.is_regular_file()) continue;
     std::ifstream file(entry.path(), std::ios::binary);
-    const std::size_t size = entry.file_size();
+    const fs::path relative = entry.path().lexically_relative(folder);
+    const std::size_t size = entry.file_size(why);
+    if (!file || why) throw unreadable(name / relative);
     bytes += size;
     if (bytes > kLargest) {
-      throw core::TransportError("page: '" + folder.string() + "' has more than 24 MB");
+      throw core::TransportError("page: '" + name.string() + "' has more than 24 MB");
     }
     PageFile content{type_of(entry.path()), {}, allocate(size)};
     auto* const memory = static_cast<char*>(content.memory.get());
     if (!file.read(memory, static_cast<std::streamsize>(size))) {
-      throw core::TransportError("page: '" + entry.path().string() + "' cannot be read");
+      throw unreadable(name / relative);
     }
     content.bytes = {memory, size};
-    page.emplace("/" + entry.path().lexically_relative(folder).generic_string(),
-                 std::move(content));
+    page.emplace("/" + relative.generic_string(), std::move(content));
   }
   if (const auto index = page.find("/index.html"); index != page.end()) {
     page.emplace("/", index->second);

@@ -28,7 +28,8 @@ struct WebContent {
 };
 
 /// The files of `folder` and of the folders in it; none if it does not exist. Throws
-/// core::TransportError if one cannot be read, or all together have more than 24 MB.
+/// core::TransportError that names what this process's user cannot read, or if all together have
+/// more than 24 MB. A link, as /proc has them, is called by the name of what it leads to.
 [[nodiscard]] Page load_page(const std::filesystem::path& folder);
 
 }  // namespace haptic::server

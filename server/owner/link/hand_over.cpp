@@ -74,7 +74,7 @@ std::vector<Descriptor> open_files(const FrontConfig& config, const fs::path& pa
     files.push_back(
         open_file("server.web.token '" + token.name + "': file", token.file, Holds::kSecret));
   }
-  files.emplace_back(open(page.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  files.emplace_back(open(page.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   if (!files.back()) files.back() = Descriptor(open("/dev/null", O_RDONLY | O_CLOEXEC));
   return files;
 }

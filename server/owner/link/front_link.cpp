@@ -11,7 +11,6 @@
 #include "haptic/wire/control_names.hpp"
 #include "server/base/steady_now.hpp"
 #include "server/base/thread_setup.hpp"
-#include "server/crossing/link_messages.hpp"
 
 namespace haptic::server {
 namespace {
@@ -61,6 +60,7 @@ void FrontLink::start() {
 
 void FrontLink::listen_locally() {
   LocalCommands::Config local{{control_folder(), {}}, addresses(), config_.realtime};
+  if (config_.launcher != nullptr) local.launcher = config_.launcher->pid();
   std::vector<std::string>& names = local.places.names;
   if (!config_.hand_over) names.push_back(config_.name);
   for (const std::string& address : addresses()) {

@@ -126,8 +126,6 @@ void FrontLink::publish_facts() {
   const bool serves = current_ && current_->stage == Stage::kServing;
   local_.front({serves, current_ ? current_->pid : 0, served_,
                 serves ? current_->served_since : core::TimePoint{}, serves ? "" : wrong_});
-  local_.bar({config_.launcher != nullptr ? config_.launcher->pid() : 0,
-              current_ ? current_->pid : 0, next_ ? next_->pid : 0});
   if (!config_.ticks) return;
   for (std::size_t i = 0; i < owner_.devices().size(); ++i) {
     publisher_->totals(i, config_.ticks->totals(i));

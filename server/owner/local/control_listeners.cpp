@@ -94,8 +94,10 @@ ControlListeners::ControlListeners(const ControlPlaces& places) {
     const std::string why =
         "control socket '@" + abstract + "': in use by " + holder(Address('\0' + abstract));
     if (places.folder.empty()) {
-      throw core::TransportError(why + "; in a folder, " + wire::kControlFolder +
-                                 " or $XDG_RUNTIME_DIR, no other user can take its name");
+      throw core::TransportError(why +
+                                 ", so that there would be no local stop: name a folder that is "
+                                 "this user's and that no other one can change, "
+                                 "XDG_RUNTIME_DIR=FOLDER, to hapticd and to hapticctl");
     }
     spdlog::warn("{}: local stops go by {} only", why, places.folder);
   }

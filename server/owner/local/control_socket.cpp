@@ -110,7 +110,9 @@ void ControlSocket::accept_one(Descriptor socket) {
   socklen_t size = sizeof peer;
   if (getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) return;
   if (barred_ && barred_(peer.pid)) return close_elsewhere(std::move(socket));
-  const bool trusted = peer.uid == 0 || peer.uid == geteuid();
+  // It cannot be told any more whose process one was that has ended.
+  const bool ended = peer.pid > 0 && getsid(peer.pid) < 0;
+  const bool trusted = !ended && (peer.uid == 0 || peer.uid == geteuid());
   if (!trusted && has_too_many(peer.uid)) return close_elsewhere(std::move(socket));
   make_room(trusted, peer.uid);
   connections_.push_back({std::move(socket), ++last_number_, peer.uid, trusted, false});

@@ -3,8 +3,7 @@
 #include <sched.h>
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
-
-#include <algorithm>
+#include <unistd.h>
 
 #include "haptic/core/error.hpp"
 #include "server/base/steady_now.hpp"
@@ -36,9 +35,8 @@ LocalCommands::~LocalCommands() {
 void LocalCommands::listen(Config config) {
   control_ = std::make_unique<ControlSocket>(
       config.places, [this](const ControlCommand& it) { command(it); },
-      [this](pid_t process) {
-        return process > 0 && std::any_of(barred_.begin(), barred_.end(),
-                                          [&](const auto& one) { return one.load() == process; });
+      [launcher = config.launcher](pid_t process) {
+        return launcher > 0 && process > 0 && getsid(process) == launcher;
       });
   health_ = std::make_unique<LocalHealth>(owner_, std::move(config.addresses));
   thread_ = std::thread([this, realtime = config.realtime] { run(realtime); });
@@ -126,10 +124,6 @@ void LocalCommands::on_answer(const Answer& answer) {
 void LocalCommands::front(const FrontView& view) {
   const std::lock_guard lock(mutex_);
   front_ = view;
-}
-
-void LocalCommands::bar(const std::array<pid_t, 3>& processes) {
-  for (std::size_t i = 0; i < processes.size(); ++i) barred_[i].store(processes[i]);
 }
 
 void LocalCommands::command(const ControlCommand& command) {

@@ -29,6 +29,7 @@ class LocalCommands {
     ControlPlaces places{};
     std::vector<std::string> addresses{};  ///< for people
     bool realtime{false};                  ///< SCHED_FIFO at the lowest priority
+    pid_t launcher{0};  ///< no process of its session may ask, and fronts are that; 0: none
   };
 
   /// `owner` must outlive this.
@@ -50,8 +51,6 @@ class LocalCommands {
   void on_answer(const Answer& answer);
   /// The answer to health tells this of the front.
   void front(const FrontView& view);
-  /// Processes that may ask nothing: the launcher and the fronts. 0: none.
-  void bar(const std::array<pid_t, 3>& processes);
 
  private:
   /// A command that waits for the answers of `open` devices.
@@ -77,7 +76,6 @@ class LocalCommands {
   Owner& owner_;
   const RestartFront restart_front_;
   Descriptor wakes_;
-  std::array<std::atomic<pid_t>, 3> barred_{};
   std::atomic<bool> stopping_{false};
 
   std::mutex mutex_;

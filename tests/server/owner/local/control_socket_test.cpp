@@ -1,5 +1,6 @@
 #include "server/owner/local/control_socket.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -14,6 +15,7 @@
 #include "haptic/core/error.hpp"
 #include "server/base/line_rate.hpp"
 #include "server/crossing/packet_socket.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace {
 
@@ -169,6 +171,18 @@ TEST(ControlSocket, ABarredProcessIsRefused) {
   EXPECT_TRUE(served.commands.empty());
 }
 
+TEST(ControlSocket, AnEndedProcessOnlyStops) {
+  Served served;
+  const pid_t child = fork();
+  if (child == 0) _exit(Caller().say("stop") && Caller().say("clear finger") ? 0 : 1);
+  int status = 1;
+  waitpid(child, &status, 0);
+  ASSERT_EQ(status, 0);
+  served.socket.turn(kStart);
+  ASSERT_EQ(served.commands.size(), 1U);
+  EXPECT_EQ(served.commands[0].kind, Kind::kStop);
+}
+
 TEST(ControlSocket, ABurdenedMessageIsNotTaken) {
   Served served;
   Caller caller;
@@ -261,7 +275,9 @@ TEST(ControlListeners, AStaleFileIsReplaced) {
 TEST(ControlListeners, ATakenNameIsNotNeeded) {
   const Folder folder;
   const Served holder;  // any program of this host may have the abstract name
-  EXPECT_THROW(Served(), haptic::core::TransportError);
+  EXPECT_THAT(haptic::test::message_of<haptic::core::TransportError>([] { Served(); }),
+              testing::HasSubstr("in use by user " + std::to_string(geteuid()) +
+                                 ", so that there would be no local stop: name a folder"));
   Served served(folder.path);
   Caller caller(folder.path + "/" + name());
   ASSERT_TRUE(caller.say("stop"));

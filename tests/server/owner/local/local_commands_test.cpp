@@ -5,6 +5,11 @@
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
 
 #include "tests/server/support/device_rig.hpp"
 
@@ -14,29 +19,37 @@ namespace {
 using core::LifecycleState;
 using testing::HasSubstr;
 
+/// Connected; not if there is no such socket.
+server::Descriptor caller_of(const std::string& name) {
+  server::Descriptor caller(::socket(AF_UNIX, SOCK_SEQPACKET, 0));
+  const timeval moment{0, 1000};
+  setsockopt(caller.get(), SOL_SOCKET, SO_RCVTIMEO, &moment, sizeof moment);
+  const std::string at = std::string(1, '\0') + "hapticd/" + name;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  at.copy(address.sun_path, sizeof address.sun_path);
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + at.size());
+  if (connect(caller.get(), reinterpret_cast<sockaddr*>(&address), size) != 0) return {};
+  return caller;
+}
+
 /// A served device that a client presses, and its local control socket. The owner's clock is the
 /// test's, the socket's thread is real.
 class LocalRig : public server::FrontPort {
  public:
-  static std::shared_ptr<LocalRig> make() {
+  static std::shared_ptr<LocalRig> make(pid_t launcher = 0) {
     auto made = std::make_shared<LocalRig>();
     made->rig.owner->connect(made);
-    made->local.listen({.places = {{}, {made->name}}, .addresses = {"127.0.0.1:1"}});
+    made->local.listen(
+        {.places = {{}, {made->name}}, .addresses = {"127.0.0.1:1"}, .launcher = launcher});
     return made;
   }
   void on_answer(const server::Answer& answer) override { local.on_answer(answer); }
 
   /// The whole answer. Meanwhile the client streams on, a sample a tick.
   std::string ask(const std::string& command) {
-    const server::Descriptor caller(::socket(AF_UNIX, SOCK_SEQPACKET, 0));
-    const timeval moment{0, 1000};
-    setsockopt(caller.get(), SOL_SOCKET, SO_RCVTIMEO, &moment, sizeof moment);
-    const std::string at = std::string(1, '\0') + "hapticd/" + name;
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    at.copy(address.sun_path, sizeof address.sun_path);
-    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + at.size());
-    EXPECT_EQ(connect(caller.get(), reinterpret_cast<sockaddr*>(&address), size), 0);
+    const server::Descriptor caller = caller_of(name);
+    EXPECT_TRUE(caller);
     ::send(caller.get(), command.data(), command.size(), 0);
     char bytes[4096];
     ssize_t got = -1;
@@ -97,6 +110,35 @@ TEST(LocalCommands, HealthShowsWhatTheFrontClaims) {
   EXPECT_THAT(text,
               HasSubstr("it was\\x0aended\naddress\t127.0.0.1:1\ndevice\trig\tARMED\t1\t0\t"));
   EXPECT_THAT(text, HasSubstr("\tal\\x09ice\\x0a")) << "a name from outside is one field";
+}
+
+/// From its first moment on: nothing has to be told of it.
+TEST(LocalCommands, NoFrontIsHeard) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe(ends.data()), 0);
+  const std::string name = "test-local-" + std::to_string(getpid());
+  const pid_t launcher = fork();
+  if (launcher == 0) {
+    setsid();
+    char begin = 0;
+    const bool told = read(ends[0], &begin, 1) == 1;
+    const pid_t front = fork();
+    int status = 1;
+    if (front > 0) _exit(waitpid(front, &status, 0) == front && status == 0 ? 0 : 1);
+    const server::Descriptor caller = caller_of(name);
+    ::send(caller.get(), "stop", 4, MSG_NOSIGNAL);
+    ssize_t got = -1;
+    do {
+      got = recv(caller.get(), &begin, 1, 0);
+    } while (got < 0 && errno == EAGAIN);
+    _exit(told && caller && got <= 0 ? 0 : 1);
+  }
+  const auto served = LocalRig::make(launcher);
+  ASSERT_EQ(write(ends[1], "x", 1), 1);
+  int status = 1;
+  ASSERT_EQ(waitpid(launcher, &status, 0), launcher);
+  EXPECT_EQ(status, 0);
+  EXPECT_NE(served->rig.state(), LifecycleState::kFault);
 }
 
 TEST(LocalCommands, ARestartIsAnsweredLater) {

@@ -53,6 +53,12 @@ says 2 'would be overwritten' "$hapticd" --scene "$scene" --listen "unix:$folder
 (umask 077 && echo short >"$folder/token")
 says 1 'must hold 16 to 128' "$hapticd" --scene "$scene" --check-scene \
   --set "server.web={token {name: 'a' rights: 'test' file: '$folder/token'}}"
+# A front that only looks at itself.
+printf '#!/bin/sh\nid -u >"%s/user"\n' "$folder" >"$folder/front"
+chmod 777 "$folder" && chmod 755 "$folder/front"
+says 1 'another build' env HAPTICD_FRONT="$folder/front" "$hapticd" --scene "$scene" --check-scene \
+  --set "server.web={token {name: 'a' rights: 'test' file: '$folder/token'}}"
+[ "$(cat "$folder/user")" != 0 ] || says none 'a check runs its front as root' true
 says 2 'must be UTF-8' "$hapticd" --scene "$scene" --check-scene --set 'name="\377"'
 says 2 'no lease ends under force' "$hapticd" --scene "$scene" --check-scene \
   --set 'device[0].staleness.fade_end={seconds: 2 nanos: 500000000}' \

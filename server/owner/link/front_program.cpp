@@ -1,10 +1,6 @@
 #include "server/owner/link/front_program.hpp"
 
-#include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -31,23 +27,6 @@ std::shared_ptr<HandOver> hand_over(const App& app) {
   const ServerScene& scene = app.scene().server;
   const std::filesystem::path page = scene.web ? page_folder(front_program()) : "";
   return std::make_shared<HandOver>(front_config(app), scene, page);
-}
-
-/// A front that has `link` as its descriptor 3.
-pid_t spawn(const std::filesystem::path& program, const Descriptor& link) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
-  }
-  posix_spawn_file_actions_adddup2(&actions, link.get(), 3);
-  std::string name = "hapticd-front";
-  char* const arguments[] = {name.data(), nullptr};
-  pid_t pid = 0;
-  const int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) throw core::TransportError(program.string() + ": " + std::strerror(error));
-  return pid;
 }
 
 /// kHello if it says nothing in time, or ends.
@@ -101,19 +80,20 @@ std::string check_front_files(const Scene& scene) {
   config.log_level = "error";
   if (!config.tls && (!config.web || config.web->tokens.empty())) return {};
   const std::filesystem::path program = front_program();
+  if (access(program.c_str(), X_OK) != 0) {
+    throw core::TransportError(program.string() + ": " + std::strerror(errno));
+  }
   const std::vector<Descriptor> files = open_files(config, page_folder(program));
   const SharedMemory bytes = to_memory(config);
   const SharedMemory pages("haptic-check", OwnersPages::bytes(0));
   FrontProcess front(0, {});
-  const pid_t pid = spawn(program, front.its_link);
-  front.its_link = Descriptor();
+  Launcher launcher(program, front_limits(scene));  // as the one that serves
+  launcher.start(std::move(front.its_link), std::move(front.its_log));
   FrontMessage said = next_message(front);
   if (said.kind == FrontMessage::Kind::kHello && said.layout == layout_hash() &&
       front.welcome(pages, bytes, files)) {
     said = next_message(front);
   }
-  shutdown(front.link.get(), SHUT_RDWR);  // it leaves
-  waitpid(pid, nullptr, 0);
   if (said.kind == FrontMessage::Kind::kReady) return said.text.str();
   const bool refused = said.kind == FrontMessage::Kind::kCannotServe;
   throw core::TransportError(refused ? said.text.str() : program.string() + " is of another build");

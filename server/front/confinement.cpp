@@ -2,7 +2,7 @@
 
 #include <fcntl.h>
 #include <linux/futex.h>
-#include <linux/landlock.h>
+#include <linux/seccomp.h>
 #include <linux/sockios.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -13,7 +13,6 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -28,17 +27,6 @@
 
 namespace haptic::server {
 namespace {
-
-// Not in Debian 12's <linux/landlock.h>, which knows version 2.
-constexpr std::uint64_t kTruncate = 1ULL << 14;
-constexpr std::uint64_t kIoctlDevice = 1ULL << 15;
-constexpr std::uint64_t kBindAndConnect = 3;
-constexpr std::uint64_t kNamesAndSignals = 3;
-struct Ruleset {
-  std::uint64_t handled_access_fs{0};
-  std::uint64_t handled_access_net{0};
-  std::uint64_t scoped{0};
-};
 
 [[noreturn]] void fail(const std::string& what) {
   throw core::TransportError("confinement of the front: " + what + ": " + std::strerror(errno));
@@ -189,6 +177,9 @@ void allow_by_argument(Filter& filter) {
   for (const unsigned request : {FIONBIO, SIOCINQ, SIOCOUTQ, TCGETS})
     allow("ioctl", is(1, request));
   allow("prctl", is(0, PR_SET_NAME));
+  // For confine_sockets(), which refuses both.
+  allow("prctl", is(0, PR_SET_NO_NEW_PRIVS));
+  allow("seccomp", is(0, SECCOMP_SET_MODE_FILTER));
   allow("prlimit64", is(0, 0));
   for (const auto& [level, option] : {std::pair{SOL_SOCKET, SO_RCVBUF},
                                       {SOL_SOCKET, SO_TIMESTAMPNS},
@@ -205,13 +196,8 @@ void allow_by_argument(Filter& filter) {
   }
 }
 
-/// Refusals that honest code meets: they stay out of the kernel's log.
-void refuse_quietly(Filter& filter, std::span<const int> shared) {
-  // Its flags lie in memory, where a filter cannot see them: glibc falls back to clone.
-  filter.add(SCMP_ACT_ERRNO(ENOSYS), "clone3", {});
-  filter.add(kRefused, "socket", {});  // gRPC asks what sockets can do
-  filter.add(kRefused, "openat", {});  // glibc counts processors, and then does so in another way
-  filter.add(kRefused, "ioctl", {masked(1, kInt, TCGETS)});  // is standard output a terminal?
+/// Refusals of everything that the owner, or a later front, would notice of one of `shared`.
+void refuse_changes(Filter& filter, std::span<const int> shared) {
   for (const int fd : shared) {
     const scmp_arg_cmp one = masked(0, kInt, static_cast<scmp_datum_t>(fd));
     for (const unsigned command : {F_SETFL, F_DUPFD_CLOEXEC}) {
@@ -225,9 +211,19 @@ void refuse_quietly(Filter& filter, std::span<const int> shared) {
   }
 }
 
+/// Refusals that honest code meets: they stay out of the kernel's log.
+void refuse_quietly(Filter& filter) {
+  // Its flags lie in memory, where a filter cannot see them: glibc falls back to clone.
+  filter.add(SCMP_ACT_ERRNO(ENOSYS), "clone3", {});
+  filter.add(kRefused, "socket", {});  // gRPC asks what sockets can do
+  filter.add(kRefused, "openat", {});  // glibc counts processors, and then does so in another way
+  filter.add(kRefused, "ioctl", {masked(1, kInt, TCGETS)});  // is standard output a terminal?
+}
+
 void confine_calls(std::span<const int> shared) {
   Filter quiet(SCMP_ACT_ALLOW);
-  refuse_quietly(quiet, shared);
+  refuse_quietly(quiet);
+  refuse_changes(quiet, shared);
   quiet.load(false);
   Filter serving(kRefused);
   for (const char* call : kServing) serving.add(SCMP_ACT_ALLOW, call, {});
@@ -235,42 +231,22 @@ void confine_calls(std::span<const int> shared) {
   serving.load(true);
 }
 
-/// Files that libraries read at their first use.
-void read_what_libraries_need() {
+/// Files that libraries read at their first use. That of OpenSSL says how TLS is to be, and costs
+/// 2 MB.
+void read_what_libraries_need(UsesTls uses_tls) {
   tzset();
-  OPENSSL_init_ssl(0, nullptr);
+  if (uses_tls == UsesTls::kYes) {
+    OPENSSL_init_ssl(0, nullptr);
+  } else {
+    OPENSSL_init_crypto(OPENSSL_INIT_NO_LOAD_CONFIG, nullptr);
+  }
   static_cast<void>(resident_bytes());
 }
 
 }  // namespace
 
-std::string confine_by_landlock() {
-  const long version =
-      syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
-  if (version < 1) {
-    return "this kernel has no Landlock: seccomp alone keeps the front from files, ports and "
-           "signals";
-  }
-  Ruleset all;
-  all.handled_access_fs = (1ULL << 13) - 1;  // version 1: every kind of access to files
-  if (version >= 2) all.handled_access_fs |= LANDLOCK_ACCESS_FS_REFER;
-  if (version >= 3) all.handled_access_fs |= kTruncate;
-  if (version >= 4) all.handled_access_net = kBindAndConnect;
-  if (version >= 5) all.handled_access_fs |= kIoctlDevice;
-  if (version >= 6) all.scoped = kNamesAndSignals;
-  const std::size_t size = version >= 6   ? sizeof all
-                           : version >= 4 ? offsetof(Ruleset, scoped)
-                                          : offsetof(Ruleset, handled_access_net);
-  const Descriptor ruleset(static_cast<int>(syscall(SYS_landlock_create_ruleset, &all, size, 0)));
-  if (!ruleset) fail("landlock_create_ruleset");
-  if (syscall(SYS_landlock_restrict_self, ruleset.get(), 0) != 0) fail("landlock_restrict_self");
-  if (version >= 6) return {};
-  return "this kernel's Landlock (version " + std::to_string(version) +
-         ", not 6) knows no signals: seccomp alone keeps the front from them";
-}
-
-std::vector<std::string> confine(std::span<const int> shared) {
-  read_what_libraries_need();
+std::vector<std::string> confine(UsesTls uses_tls, std::span<const int> shared) {
+  read_what_libraries_need(uses_tls);
   std::vector<std::string> missing;
   if (types_into_terminals()) {
     missing.emplace_back(
@@ -283,6 +259,14 @@ std::vector<std::string> confine(std::span<const int> shared) {
   if (std::string lack = confine_by_landlock(); !lack.empty()) missing.push_back(std::move(lack));
   confine_calls(shared);
   return missing;
+}
+
+void confine_sockets(std::span<const int> sockets) {
+  Filter last(SCMP_ACT_ALLOW);
+  refuse_changes(last, sockets);
+  last.add(kRefused, "seccomp", {});
+  last.add(kRefused, "prctl", {masked(0, kInt, PR_SET_NO_NEW_PRIVS)});
+  last.load(false);
 }
 
 }  // namespace haptic::server

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "server/base/log.hpp"
+#include "server/base/process.hpp"
 #include "server/base/version.hpp"
 #include "server/front/confinement.hpp"
 #include "server/front/server.hpp"
@@ -54,26 +55,36 @@ std::vector<int> shared_with_owner(const FrontStart& start) {
 void serve(OwnerLink& owner) {
   FrontStart start = owner.hello();
   Page page;
+  std::string warnings;
   if (start.config.web) {
     // The descriptor leads to it: hapticd's user may reach the folder, and this process not.
-    page = load_page("/proc/self/fd/" + std::to_string(start.files.back().get()));
+    try {
+      page = load_page("/proc/self/fd/" + std::to_string(start.files.back().get()));
+    } catch (const std::exception& error) {
+      warnings = std::string(error.what()) + ": browsers get no page";
+    }
   }
-  const std::vector<std::string> missing = confine(shared_with_owner(start));
+  const UsesTls uses_tls = start.config.tls ? UsesTls::kYes : UsesTls::kNo;
+  const std::vector<std::string> missing = confine(uses_tls, shared_with_owner(start));
   begin_log(start.config);
   for (const std::string& sentence : missing) {
     spdlog::info("confinement of the front: {}", sentence);
   }
+  if (!warnings.empty()) spdlog::warn(warnings);
   FrontServer server(
       std::move(start), owner,
       {[&owner] { return owner.facts(); },
        [&owner](std::size_t device) { return owner.totals(device); },
        [&owner](const FrontCounters& own) { return owner.count(own); }, std::move(page)});
-  std::string warnings;
   for (const std::string& one : server.warnings()) warnings += (warnings.empty() ? "" : "\n") + one;
   owner.say({.kind = FrontMessage::Kind::kReady, .text = warnings});
   auto sockets = owner.wait_for_go();
   if (!sockets) return;
+  std::vector<int> numbers;
+  for (const Descriptor& each : *sockets) numbers.push_back(each.get());
   server.take(std::move(*sockets));
+  confine_sockets(numbers);
+  forget_the_start();
   owner.begin();
   server.start();
   owner.say({.kind = FrontMessage::Kind::kServing});

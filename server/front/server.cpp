@@ -38,7 +38,6 @@ FrontServer::FrontServer(FrontStart start, OwnerPort& owner, FrontSources source
     : sources_(std::move(sources)),
       context_(std::make_shared<ServiceContext>(std::move(start.config), owner, sources_.facts,
                                                 std::move(limits))),
-      sockets_(std::move(start.sockets)),
       content_{sources_.page, [this] { return metrics(); }} {
   std::span<const Descriptor> files = start.files;
   std::optional<TlsFiles> tls;
@@ -52,7 +51,19 @@ FrontServer::FrontServer(FrontStart start, OwnerPort& owner, FrontSources source
     web_ = std::make_unique<WebServer>(*context_, content_, tls, files);
   }
   rpc_ = std::make_unique<RpcServer>(*context_, std::move(tls));
+  take(std::move(start.sockets));
   owner.connect(context_);
+}
+
+void FrontServer::take(std::vector<Descriptor> sockets) {
+  sockets_ = std::move(sockets);
+  if (sockets_.empty() || config().udp_listen.empty()) return;
+  std::vector<std::string> streams;
+  for (const FrontConfig::Address& address : config().addresses) {
+    if (address.use == Use::kGrpc) streams.push_back(address.name);
+  }
+  context_->udp =
+      std::make_unique<UdpPort>(std::move(sockets_.back()), streams, context_->limits.clock);
 }
 
 FrontServer::~FrontServer() {
@@ -75,17 +86,11 @@ void FrontServer::serve() {
   const ConnectionLimits limits = within_descriptors(context.limits.connections);
   require_threads();
   std::vector<Connections::Listener> listeners;
-  std::vector<std::string> streams;
   for (std::size_t i = 0; i < config().addresses.size(); ++i) {
     const FrontConfig::Address& address = config().addresses[i];
-    if (address.use == Use::kGrpc) streams.push_back(address.name);
     for (std::uint32_t n = 0; n < address.sockets; ++n) {
       listeners.push_back({std::move(sockets_.at(listeners.size())), i});
     }
-  }
-  if (!config().udp_listen.empty()) {
-    context.udp =
-        std::make_unique<UdpPort>(std::move(sockets_.back()), streams, context.limits.clock);
   }
   context.connections = std::make_unique<Connections>(std::move(listeners), limits);
   rpc_->start();

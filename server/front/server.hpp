@@ -54,8 +54,9 @@ class FrontServer {
   FrontServer(const FrontServer&) = delete;
   FrontServer& operator=(const FrontServer&) = delete;
 
-  /// Before start(), instead of FrontStart::sockets.
-  void take(std::vector<Descriptor> sockets) { sockets_ = std::move(sockets); }
+  /// Before start(), instead of FrontStart::sockets. From then on it only accepts, receives and
+  /// sends by them. Throws core::TransportError: the UDP path's socket is none.
+  void take(std::vector<Descriptor> sockets);
   /// Once: serves. Throws core::TransportError: too few descriptors or threads are allowed.
   void start();
   /// Refuses new calls, ends streams (UNAVAILABLE), waits for at most `grace`, then cuts what is

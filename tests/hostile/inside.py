@@ -144,6 +144,17 @@ def clean_log(daemon, said):
     return [f"in the log: {' '.join(sorted(found))}"] if found else []
 
 
+def untouched(daemon, said):
+    """Every try to change a socket that others have too was refused."""
+    tries = [line for line in said if re.search(r" of \d+: ", line)]
+    return [line for line in tries if not line.endswith(": EPERM")] or ([] if tries else ["no try"])
+
+
+def unwatched(daemon, said):
+    """No epoll watches what others have too."""
+    return [] if "watches 0" in said else [line for line in said if line.startswith("watches")]
+
+
 def restarts(daemon, said):
     """A front that beats and does nothing else is replaced when the operator says so."""
     _, status, words = control(daemon, "restart-front", timeout=20.0)
@@ -180,9 +191,9 @@ MODES = [
     Mode("blocking_deaf", "F1", SURVIVED, "blocking deaf", ends=True),
     Mode("pages", "F5", SURVIVED, "pages", 5.0),
     Mode("futexes", "F5", SURVIVED, "futexes", ends=True),
-    Mode("epolls", "new", SURVIVED, "epolls", 6.0, ends=True),
+    Mode("epolls", "new", SURVIVED, "epolls", 6.0, ends=True, after=unwatched),
     Mode("locks", "F1", SURVIVED, "locks"),
-    *[Mode(f"sockets_{how}", "F1", SURVIVED, f"sockets {how}", ends=True)
+    *[Mode(f"sockets_{how}", "F1", SURVIVED, f"sockets {how}", ends=True, after=untouched)
       for how in ("shut", "filter", "backlog", "link")],
     Mode("rights", "F1", SURVIVED, "rights", ends=True),
     Mode("lingering", "F1", SURVIVED, "lingering", ends=True),

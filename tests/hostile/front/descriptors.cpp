@@ -155,8 +155,8 @@ void tell(const char* what, int fd, int result) {
   answer(std::string(what) + " of " + std::to_string(fd) + ": " + how);
 }
 
-/// Word: "shut", "filter", "backlog" or "link". The front ends then, and the next gets the same
-/// sockets.
+/// Word: "shut", "filter", "backlog" or "link". Says how each try ended. The front ends then, and
+/// the next gets the same sockets.
 void sockets(Inside& in) {
   const std::string how = in.words.empty() ? "shut" : in.words[0];
   sock_filter nothing{BPF_RET | BPF_K, 0, 0, 0};
@@ -171,15 +171,17 @@ void sockets(Inside& in) {
     if (fd == kLink || !is_socket(fd)) continue;
     if (how == "shut") {
       tell("shutdown", fd, shutdown(fd, SHUT_RDWR));
-      connect(fd, reinterpret_cast<const sockaddr*>(&nowhere), sizeof nowhere);
+      tell("copy", fd, std::min(fcntl(fd, F_DUPFD_CLOEXEC, 0), 0));
+      tell("flags", fd, fcntl(fd, F_SETFL, 0));
+      tell("connect", fd, connect(fd, reinterpret_cast<const sockaddr*>(&nowhere), sizeof nowhere));
     } else if (how == "filter") {
       tell("filter", fd, set(fd, SOL_SOCKET, SO_ATTACH_FILTER, drop));
-      set(fd, SOL_SOCKET, SO_LOCK_FILTER, little);
+      tell("lock", fd, set(fd, SOL_SOCKET, SO_LOCK_FILTER, little));
     } else if (how == "backlog") {
       tell("listen", fd, ::listen(fd, 0));
       tell("defer", fd, set(fd, IPPROTO_TCP, TCP_DEFER_ACCEPT, hour));
-      set(fd, SOL_SOCKET, SO_RCVBUF, little);
-      set(fd, IPPROTO_IP, IP_TTL, little);
+      tell("buffer", fd, set(fd, SOL_SOCKET, SO_RCVBUF, little));
+      tell("hops", fd, set(fd, IPPROTO_IP, IP_TTL, little));
     }
   }
   if (how != "link") _exit(9);
@@ -195,7 +197,7 @@ void epolls(Inside& in) {
   for (int watcher = 0; in.goes_on() && (watcher = epoll_create1(0)) >= 0;) {
     for (const int copy : copies) {
       epoll_event event{EPOLLIN | EPOLLOUT | EPOLLET, {}};
-      if (epoll_ctl(watcher, EPOLL_CTL_ADD, copy, &event) == 0) ++watches;
+      if (epoll_ctl(watcher, EPOLL_CTL_ADD, copy, &event) == 0 && is_socket(copy)) ++watches;
     }
   }
   answer("watches " + std::to_string(watches));

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/futex.h>
+#include <linux/seccomp.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sched.h>
@@ -23,6 +24,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <functional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,6 +33,8 @@ namespace {
 
 using haptic::server::confine;
 using haptic::server::confine_by_landlock;
+using haptic::server::confine_sockets;
+using haptic::server::UsesTls;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -41,6 +45,12 @@ struct Call {
   long number{0};
   std::array<unsigned long, 5> arguments{};
 };
+
+/// Both steps of the front: `shared` is there before the first, `sockets` come after it.
+void confine_all(std::span<const int> shared = {}, std::span<const int> sockets = {}) {
+  static_cast<void>(confine(UsesTls::kNo, shared));
+  confine_sockets(sockets);
+}
 
 /// Empty: each fails with `error`; else those that do not.
 std::string others_than(int error, const std::vector<Call>& calls) {
@@ -196,7 +206,7 @@ const std::vector<Call> kMeans{
     {"personality", SYS_personality},
     {"to be traced", SYS_prctl, {PR_SET_DUMPABLE, 1}},
     {"to outlive its owner", SYS_prctl, {PR_SET_PDEATHSIG, 0}},
-    {"seccomp", SYS_seccomp},
+    {"seccomp", SYS_seccomp, {SECCOMP_SET_MODE_FILTER}},
     {"landlock_create_ruleset", SYS_landlock_create_ruleset},
     {"timer_create", SYS_timer_create},
     {"signalfd4", SYS_signalfd4, {9}},
@@ -210,7 +220,7 @@ TEST(Confinement, RefusesWhatServingDoesNotNeed) {
       const std::string words = in_child([&]() -> std::string {
         if (!landlock) take_landlock_away();
         if (getuid() != user && setresuid(user, user, user) != 0) return "no user";
-        static_cast<void>(confine());
+        confine_all();
         std::string found;
         for (const auto* calls : {&kProcesses, &kFiles, &kSockets, &kMeans}) {
           found += others_than(EPERM, *calls);
@@ -251,7 +261,7 @@ TEST(Confinement, HoldsInEarlierThreads) {
                 while (!confined) std::this_thread::yield();
                 words = others_than(EPERM, kSockets);
               });
-              static_cast<void>(confine());
+              confine_all();
               confined = true;
               early.join();
               return words;
@@ -260,28 +270,31 @@ TEST(Confinement, HoldsInEarlierThreads) {
 }
 
 TEST(Confinement, KeepsWhatTheOwnerShares) {
-  const auto words = in_child([] {
-    const int shared = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0);
-    static_cast<void>(confine(std::array{shared}));
-    const auto one = static_cast<unsigned long>(shared);
-    const unsigned long odd = one | 1UL << 32U;  // the kernel takes it for the same
-    return others_than(EPERM, {{"flags", SYS_fcntl, {one, F_SETFL, 0}},
-                               {"flags, odd", SYS_fcntl, {odd, F_SETFL, 0}},
-                               {"a copy", SYS_fcntl, {one, F_DUPFD_CLOEXEC, 0}},
-                               {"to block", SYS_ioctl, {one, FIONBIO}},
-                               {"to block, odd", SYS_ioctl, {odd, FIONBIO}},
-                               {"to watch it", SYS_epoll_ctl, {99, EPOLL_CTL_ADD, one}},
-                               {"shutdown", SYS_shutdown, {one, SHUT_RDWR}},
-                               {"shutdown, odd", SYS_shutdown, {odd, SHUT_RDWR}},
-                               {"buffers", SYS_setsockopt, {one, SOL_SOCKET, SO_RCVBUF}}});
-  });
-  EXPECT_THAT(words, IsEmpty());
+  for (const bool later : {false, true}) {
+    const auto words = in_child([later] {
+      const std::array shared{socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0)};
+      const std::span<const int> none;
+      confine_all(later ? none : shared, later ? shared : none);
+      const auto one = static_cast<unsigned long>(shared[0]);
+      const unsigned long odd = one | 1UL << 32U;  // the kernel takes it for the same
+      return others_than(EPERM, {{"flags", SYS_fcntl, {one, F_SETFL, 0}},
+                                 {"flags, odd", SYS_fcntl, {odd, F_SETFL, 0}},
+                                 {"a copy", SYS_fcntl, {one, F_DUPFD_CLOEXEC, 0}},
+                                 {"to block", SYS_ioctl, {one, FIONBIO}},
+                                 {"to block, odd", SYS_ioctl, {odd, FIONBIO}},
+                                 {"to watch it", SYS_epoll_ctl, {99, EPOLL_CTL_ADD, one}},
+                                 {"shutdown", SYS_shutdown, {one, SHUT_RDWR}},
+                                 {"shutdown, odd", SYS_shutdown, {odd, SHUT_RDWR}},
+                                 {"buffers", SYS_setsockopt, {one, SOL_SOCKET, SO_RCVBUF}}});
+    });
+    EXPECT_THAT(words, IsEmpty()) << (later ? "what came later" : "what was there");
+  }
 }
 
 TEST(Confinement, ServingStillWorks) {
   EXPECT_EQ(
       in_child([] {
-        static_cast<void>(confine());
+        confine_all();
         std::string words =
             others_than(EBADF, {{"accept4", SYS_accept4, {99}},
                                 {"sendmsg", SYS_sendmsg, {99}},
@@ -294,7 +307,7 @@ TEST(Confinement, ServingStillWorks) {
       }),
       "");
   EXPECT_EQ(in_child([]() -> std::string {
-              static_cast<void>(confine());
+              confine_all();
               std::abort();
             }),
             "status " + std::to_string(SIGABRT));
@@ -304,7 +317,7 @@ TEST(Confinement, ServingStillWorks) {
 TEST(Confinement, AnotherAbiEndsTheProcess) {
   const auto end = [](auto call) {
     return in_child([&]() -> std::string {
-      static_cast<void>(confine());
+      confine_all();
       call();
       return "goes on";
     });

@@ -5,6 +5,7 @@
 #include <pwd.h>
 #include <strings.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -96,6 +97,13 @@ std::vector<std::string> places(const std::vector<std::string>& names) {
   return all;
 }
 
+/// A user may put a link into a folder of theirs, to the socket of another hapticd.
+bool is_in_trusted_folder(const std::string& file) {
+  struct stat folder {};
+  const std::string path = file.substr(0, file.rfind('/'));
+  return lstat(path.c_str(), &folder) == 0 && S_ISDIR(folder.st_mode) && trusted(folder.st_uid);
+}
+
 /// The whole answer, empty if none came. Absent: there is no socket, or it is not a hapticd's to be
 /// believed, which is said.
 std::optional<std::string> ask(const std::string& place, const std::string& command,
@@ -124,6 +132,8 @@ std::optional<std::string> ask(const std::string& place, const std::string& comm
         "the control socket %s is not asked: it belongs to user %u, who is neither root, nor "
         "you, nor '%s'",
         abstract ? "@" + place.substr(1) : place, holder.uid, kServiceUser);
+  } else if (!abstract && !is_in_trusted_folder(place)) {
+    complain("the control socket %s is not asked: its folder belongs to another user", place);
   } else if (send(socket, command.data(), command.size(), MSG_NOSIGNAL) > 0) {
     const ssize_t got = recv(socket, bytes.data(), bytes.size(), 0);
     answer.emplace(bytes.data(), got > 0 ? static_cast<std::size_t>(got) : 0);

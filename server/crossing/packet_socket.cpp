@@ -37,6 +37,11 @@ std::pair<Descriptor, Descriptor> packet_pair() {
   return {Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
+void refuse_descriptors(int socket) noexcept {
+  const int off = 0;
+  setsockopt(socket, SOL_SOCKET, kPassRights, &off, sizeof off);
+}
+
 bool send_bytes(int socket, Bytes head, Bytes rest, std::span<const int> descriptors) {
   if (descriptors.size() > kMostDescriptors) return false;
   std::array<iovec, 2> parts{iovec{const_cast<std::byte*>(head.data()), head.size()},

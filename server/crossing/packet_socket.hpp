@@ -26,6 +26,13 @@ enum class Received : std::uint8_t {
 /// Two ends that do not block and are closed by exec. Throws core::TransportError.
 [[nodiscard]] std::pair<Descriptor, Descriptor> packet_pair();
 
+/// From Linux 6.16 on; its headers may be older.
+inline constexpr int kPassRights = 83;  // SO_PASSRIGHTS
+/// No descriptors may be sent to this UNIX socket, or to connections of this listener: gRPC drops
+/// those that come, and the last close of a socket takes as long as its sender likes (SO_LINGER).
+/// Two such messages would hold up all its threads. An older kernel cannot refuse them.
+void refuse_descriptors(int socket) noexcept;
+
 using Bytes = std::span<const std::byte>;
 /// One message of two parts. False: the other end is gone, its queue is full (EAGAIN), or there are
 /// more than kMostDescriptors.

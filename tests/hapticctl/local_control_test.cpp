@@ -2,9 +2,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
 #include "front_claims.hpp"
+#include "haptic/wire/control_names.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace haptic::ctl {
 namespace {
@@ -37,6 +45,33 @@ TEST(ControlNamesOf, AllAddressesAreLookedAt) {
 TEST(ControlNamesOf, SocketsAndScenes) {
   EXPECT_EQ(control_names_of("unix:///no/s"), control_names_of("unix:/no/s"));
   EXPECT_THAT(control_names_of("local:my scene"), testing::ElementsAre("my scene"));
+}
+
+/// A user could put a link there, to the control socket of another hapticd.
+TEST(AskLocally, AnothersFolderIsNotBelieved) {
+  if (geteuid() != 0) GTEST_SKIP() << "to give a folder away needs root";
+  const test::ScratchFolder folder;
+  const std::filesystem::path own = folder.path() / "hapticd";
+  std::filesystem::create_directory(own);
+  const int listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  (own / wire::control_file("scene")).string().copy(name.sun_path, sizeof name.sun_path - 1);
+  ASSERT_EQ(bind(listener, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
+  ASSERT_EQ(listen(listener, 4), 0);
+  std::thread answers([listener] {
+    for (int caller = 0; (caller = accept(listener, nullptr, nullptr)) >= 0; close(caller)) {
+      send(caller, "ok\nfinger", 9, MSG_NOSIGNAL);
+    }
+  });
+  setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1);
+  EXPECT_TRUE(ask_locally("local:scene", "stop"));
+  EXPECT_EQ(chown(own.c_str(), 60'321, 60'321), 0);
+  EXPECT_FALSE(ask_locally("local:scene", "stop"));
+  unsetenv("XDG_RUNTIME_DIR");
+  shutdown(listener, SHUT_RDWR);
+  answers.join();
+  close(listener);
 }
 
 TEST(FrontClaims, KernelsConnectionsAreCounted) {

@@ -2,7 +2,6 @@
 
 #include <sched.h>
 #include <spdlog/spdlog.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <utility>
@@ -27,11 +26,6 @@ constexpr int kLookEveryMs = 50;
 constexpr core::Duration kEnding = 500ms;
 /// No front is started while so many sockets of former ones are not closed yet.
 constexpr int kMostClosing = 8;
-
-std::string how_it_ended(int status) {
-  if (WIFSIGNALED(status)) return std::string("was ended by SIG") + sigabbrev_np(WTERMSIG(status));
-  return "ended with status " + std::to_string(WEXITSTATUS(status));
-}
 
 }  // namespace
 
@@ -185,7 +179,7 @@ void FrontLink::notices() {
       if (!*place || (*place)->pid != notice->pid) continue;
       FrontProcess& front = **place;
       if (front.stage < Stage::kLeaving) {
-        wrong_ = "hapticd-front " + how_it_ended(notice->status);
+        wrong_ = "hapticd-front " + notice->words();
         if (first_told_) spdlog::error("{} (process {})", wrong_, notice->pid);
       }
       front.gone = true;

@@ -126,6 +126,7 @@ class Service {
       : socket_(socket), program_(program), limits_(limits) {}
 
   void run() {
+    std::signal(SIGCHLD, SIG_DFL);  // who started hapticd may ignore it: no end would be told then
     sigset_t child;
     sigemptyset(&child);
     sigaddset(&child, SIGCHLD);
@@ -225,6 +226,12 @@ Launcher::~Launcher() {
     ::kill(pid_, SIGKILL);  // its fronts die with it
     waitpid(pid_, nullptr, 0);
   }
+}
+
+std::string Notice::words() const {
+  if (pid == 0) return std::string("cannot be started: ") + std::strerror(status);
+  if (WIFSIGNALED(status)) return std::string("was ended by SIG") + sigabbrev_np(WTERMSIG(status));
+  return "ended with status " + std::to_string(WEXITSTATUS(status));
 }
 
 void Launcher::start(Descriptor link, Descriptor log) {

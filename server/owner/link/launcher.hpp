@@ -28,7 +28,9 @@ class Launcher {
     enum class Kind : std::uint8_t { kStarted, kEnded, kHere };
     Kind kind{Kind::kStarted};
     pid_t pid{0};   ///< 0: no process could be made
-    int status{0};  ///< kEnded: as waitpid() gives it
+    int status{0};  ///< kEnded: as waitpid() gives it, or the error of fork()
+    /// How it ended, behind the program's name.
+    [[nodiscard]] std::string words() const;
   };
 
   /// Forks. The caller must still be the only thread. `program` is looked up at each start, so that

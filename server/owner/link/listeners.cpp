@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "haptic/core/error.hpp"
+#include "server/crossing/packet_socket.hpp"
 
 namespace haptic::server {
 namespace {
@@ -73,6 +74,7 @@ Descriptor bound(const sockaddr* name, socklen_t size, int type, Port port = Por
     const int only = IN6_IS_ADDR_UNSPECIFIED(&v6.sin6_addr) ? 0 : 1;
     setsockopt(made.get(), IPPROTO_IPV6, IPV6_V6ONLY, &only, sizeof only);
   }
+  if (name->sa_family == AF_UNIX) refuse_descriptors(made.get());
   if (bind(made.get(), name, size) != 0) return {};
   share_port(made);
   if (listens && listen(made.get(), SOMAXCONN) != 0) return {};
@@ -87,9 +89,9 @@ std::vector<int> look_at(const Descriptor& socket) {
     socklen_t size = sizeof value;
     state.push_back(getsockopt(socket.get(), level, name, &value, &size) == 0 ? value : -errno);
   };
-  for (const int name :
-       {SO_ACCEPTCONN, SO_LOCK_FILTER, SO_KEEPALIVE, SO_REUSEADDR, SO_REUSEPORT, SO_RCVLOWAT,
-        SO_SNDBUF, SO_DONTROUTE, SO_MARK, SO_PRIORITY, SO_BROADCAST, SO_BINDTOIFINDEX}) {
+  for (const int name : {SO_ACCEPTCONN, SO_LOCK_FILTER, SO_KEEPALIVE, SO_REUSEADDR, SO_REUSEPORT,
+                         SO_RCVLOWAT, SO_SNDBUF, SO_DONTROUTE, SO_MARK, SO_PRIORITY, SO_BROADCAST,
+                         SO_BINDTOIFINDEX, kPassRights}) {
     option(SOL_SOCKET, name);
   }
   for (const int name : {TCP_DEFER_ACCEPT, TCP_MAXSEG, TCP_USER_TIMEOUT, TCP_NODELAY}) {
@@ -222,6 +224,10 @@ void Listeners::open_again(Bound& old) {
     for (auto& each : files_) {
       if (each->path == path) file = &each;
     }
+    if (file != nullptr && (*file)->is_of_another()) {
+      spdlog::error("'{}' is another's file by now: hapticd does not serve there any more", path);
+      return;
+    }
     unlink(path.c_str());
   } else {
     share_port(old.socket);  // it may have been taken away
@@ -244,10 +250,13 @@ Listeners::File::File(std::string its_path) : path(std::move(its_path)) {
   inode = made.st_ino;
 }
 
-Listeners::File::~File() {
+bool Listeners::File::is_of_another() const {
   struct stat now {};
-  const bool same = stat(path.c_str(), &now) == 0 && now.st_dev == device && now.st_ino == inode;
-  if (same) unlink(path.c_str());
+  return stat(path.c_str(), &now) == 0 && (now.st_dev != device || now.st_ino != inode);
+}
+
+Listeners::File::~File() {
+  if (!is_of_another()) unlink(path.c_str());
 }
 
 void Listeners::bind_unix(const std::string& address, const std::string& path) {

@@ -53,6 +53,7 @@ class Listeners {
     ~File();
     File(const File&) = delete;
     File& operator=(const File&) = delete;
+    [[nodiscard]] bool is_of_another() const;
     const std::string path;
     dev_t device{0};
     ino_t inode{0};

@@ -8,8 +8,14 @@ namespace haptic::server {
 ParsedCommand parse_command(std::string_view text) {
   using Kind = ControlCommand::Kind;
   while (!text.empty() && (text.back() == '\n' || text.back() == '\0')) text.remove_suffix(1);
-  if (text.size() > ControlCommand::kLongest) return {{}, "refused: too long"};
   const std::size_t line = text.find('\n');
+  if (text.size() > ControlCommand::kLongest) {
+    // A stop is not refused for its reason.
+    if (!text.starts_with("stop") || line >= ControlCommand::kLongest) {
+      return {{}, "refused: too long"};
+    }
+    text = text.substr(0, ControlCommand::kLongest);
+  }
   const std::string_view rest = line == std::string_view::npos ? "" : text.substr(line + 1);
   text = text.substr(0, line);
   const std::size_t blank = text.find(' ');
@@ -31,7 +37,8 @@ ParsedCommand parse_command(std::string_view text) {
     command.reason = rest;
     if (known.kind == Kind::kClear && !rest.empty()) {
       const auto end = rest.data() + rest.size();
-      if (std::from_chars(rest.data(), end, command.faults).ptr != end) {
+      const auto read = std::from_chars(rest.data(), end, command.faults);
+      if (read.ptr != end || read.ec != std::errc()) {
         return {{}, "refused: the faults must be a number, their bits"};
       }
     }

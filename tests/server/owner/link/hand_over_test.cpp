@@ -11,11 +11,15 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <span>
 
 #include "haptic/core/error.hpp"
+#include "server/crossing/packet_socket.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -169,11 +173,42 @@ TEST_F(ListenersTest, ChangedOnesAreOpenedAgain) {
   for (const Descriptor& each : sockets()) EXPECT_NE(fcntl(each.get(), F_GETFL) & O_NONBLOCK, 0);
 }
 
+TEST_F(ListenersTest, CallersSendNoDescriptors) {
+  const Descriptor caller(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  int on = 1;
+  socklen_t size = sizeof on;
+  if (getsockopt(caller.get(), SOL_SOCKET, kPassRights, &on, &size) != 0) {
+    GTEST_SKIP() << "needs Linux 6.16";
+  }
+  const auto sends = [&] {
+    const std::array<int, 1> sent{caller.get()};
+    return send_bytes(caller.get(), std::as_bytes(std::span("x")), {}, sent);
+  };
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  path_.copy(name.sun_path, sizeof name.sun_path - 1, 5);
+  ASSERT_EQ(connect(caller.get(), reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
+  EXPECT_FALSE(sends());
+  const Descriptor taken(accept(sockets()[1].get(), nullptr, nullptr));
+  ASSERT_TRUE(taken);
+  EXPECT_FALSE(sends());
+}
+
 TEST_F(ListenersTest, OldCopiesServeNoMore) {
   const std::vector<Descriptor> had = sockets();
   listeners_.try_to_open_again();
   expect_well();
   EXPECT_FALSE(listens(had[0]));
+}
+
+TEST_F(ListenersTest, AnothersFileStays) {
+  const std::string path = path_.substr(5);
+  fs::remove(path);
+  std::ofstream(path) << "precious";
+  listeners_.try_to_open_again();
+  listeners_.check();
+  EXPECT_TRUE(fs::is_regular_file(path));
+  EXPECT_TRUE(listens(sockets()[0])) << "the other addresses go on";
 }
 
 TEST(Listeners, AnAddressInUseIsNamed) {

@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <sys/wait.h>
 
+#include <cerrno>
 #include <csignal>
 #include <filesystem>
 #include <string>
@@ -72,6 +73,25 @@ TEST(Launcher, TellsHowAFrontEnded) {
   EXPECT_EQ(ended->kind, Notice::Kind::kEnded);
   EXPECT_EQ(ended->pid, started->pid);
   EXPECT_EQ(WEXITSTATUS(ended->status), 7);
+}
+
+TEST(Launcher, TellsEndsThoughSigchldIsIgnored) {
+  const auto before = std::signal(SIGCHLD, SIG_IGN);
+  const Script program("exit 7");
+  Launcher launcher(program.path(), {});
+  std::signal(SIGCHLD, before);
+  auto [here, there] = packet_pair();
+  launcher.start(std::move(there), null());
+  ASSERT_TRUE(wait_for(launcher));
+  const auto ended = wait_for(launcher);
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(WEXITSTATUS(ended->status), 7);
+}
+
+TEST(Launcher, ARefusedForkIsNoSignal) {
+  EXPECT_EQ((Notice{Notice::Kind::kEnded, 0, EAGAIN}.words()),
+            "cannot be started: Resource temporarily unavailable");
+  EXPECT_EQ((Notice{Notice::Kind::kEnded, 7, SIGSEGV}.words()), "was ended by SIGSEGV");
 }
 
 TEST(Launcher, EndsAFrontThatHangs) {

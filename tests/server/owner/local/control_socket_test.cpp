@@ -106,7 +106,15 @@ TEST(ControlCommand, SecondLineSaysMore) {
   EXPECT_EQ(parse_command("stop\nit burns").command.device, "");
   EXPECT_EQ(parse_command("clear finger\n128").command.faults, 128U);
   EXPECT_EQ(parse_command("clear finger\n0x80").wrong.rfind("refused", 0), 0U);
+  EXPECT_EQ(parse_command("clear finger\n4294967296").wrong.rfind("refused", 0), 0U);
   EXPECT_EQ(parse_command("health\nnow").wrong.rfind("refused", 0), 0U);
+}
+
+TEST(ControlCommand, ALongReasonStopsToo) {
+  const auto stop = parse_command("stop finger\n" + std::string(400, 'x'));
+  EXPECT_EQ(stop.wrong, "");
+  EXPECT_EQ(stop.command.device, "finger");
+  EXPECT_EQ(parse_command("stop " + std::string(400, 'x') + "\ny").wrong, "refused: too long");
 }
 
 TEST(ControlSocket, ACommandGetsItsAnswer) {

@@ -10,10 +10,13 @@ import datagrams
 import faults
 import files
 import grasps
+import hosts
 import http2
 import inside
 import messages
 import metrics
+import neighbours
+import outside
 import recordings
 import sessions
 import signals
@@ -210,3 +213,5 @@ ROWS.append(Row("front_several", inside.SURVIVED, inside.several, "front", "F1-F
                 quiet=5.0))
 ROWS += [Row("front_" + name, expected, attack, "front", finding, alone=True, seconds=60)
          for name, finding, expected, attack in inside.ALONE]
+ROWS += [Row(name, expected, attack, "outside", **more) for name, expected, attack, more in
+         (*outside.ROWS, *neighbours.ROWS, *hosts.ROWS)]

@@ -157,7 +157,11 @@ void PendingRequests::refuse_all(const Refusal& why, Answers& answers) {
 bool PendingRequests::cancel(std::uint64_t id) {
   const auto found = std::find_if(requests_.begin(), requests_.end(),
                                   [&](const Pending& pending) { return pending.id == id; });
-  if (found == requests_.end()) return id != 0 && id == accepted_engage_;
+  if (found == requests_.end()) {
+    const bool accepted = id != 0 && id == accepted_engage_;
+    if (accepted) forget_engage();
+    return accepted;
+  }
   const bool engage = found->kind == Request::Kind::kEngage;
   requests_.erase(found);
   return engage;

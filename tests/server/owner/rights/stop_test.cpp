@@ -179,6 +179,17 @@ TEST(Pending, GivesUpAfterABoundedTime) {
   EXPECT_EQ(answers[0].refusal->reason, "NO_ANSWER");
 }
 
+TEST(Pending, EngageIsTakenBackOnce) {
+  server::PendingRequests pending;
+  pending.add({.id = 7, .kind = server::Request::Kind::kEngage}, 1);
+  core::TickRecord record;
+  record.life.engage = {.id = 1, .verdict = core::EngageVerdict::kAccepted};
+  server::PendingRequests::Answers answers;
+  pending.step(record, answers);
+  EXPECT_TRUE(pending.cancel(7));
+  EXPECT_FALSE(pending.cancel(7)) << "it would release a later one";
+}
+
 TEST(Pending, ACancelledRequestIsNeverAnswered) {
   server::PendingRequests pending;
   pending.add(stop(), 1);

@@ -1,11 +1,18 @@
 /* States, leases, stops and the crossing of one device as the product has them (README.md). Each
    option of a process is one step of the product. If several choices are possible, the world makes
-   them: people, clients, a hostile front, the device, time. */
+   them: people, clients, a hostile front, the device, time. With REPLAY a recorded run of the
+   product makes them. */
 
-/* A step, a choice of the world and an answer by their names. CLOSING: the loop ends there. */
+/* A step, a choice of the world, an answer and the end of a step by their names. CLOSING: the loop
+   ends there. */
+#ifdef REPLAY
+#include "replay.pml"
+#else
 #define EVENT(step) (state != CLOSING)
 #define MAY(choice) true
 #define TELL(answer) skip
+#define DONE skip
+#endif
 
 #define PROMISE(name, holds) name = (holds); assert(name)
 bit stop_wins = 1, stop_stays = 1, stop_arrives = 1, local_stop_stays = 1, force_needs_lease = 1,
@@ -76,7 +83,8 @@ bit local_hold;         /* a local stop came, and no local clear took it away */
 bit engaged_by_holder;  /* the force that is on was engaged under this tenure */
 
 /* ---- Choices within a step; 0 between steps. ---- */
-byte who, i;
+byte who;
+short i;
 bit c1, c2, c3;
 
 #define carries_force(s) (s == ENGAGING || s == ENGAGED || s == RELEASING)
@@ -305,11 +313,13 @@ end:
   do
   :: atomic {
       EVENT(STEP_FRONT_STARTS) && !front ->
-      front = 1
+      front = 1;
+      DONE
     }
   :: atomic {
       EVENT(STEP_FRONT_ASKS_STOP) && STOPS && front && !net_stop ->
-      net_stop = 1
+      net_stop = 1;
+      DONE
     }
   od
 }
@@ -326,7 +336,8 @@ end:
         box_new = 1;
         TELL(SAMPLE_TAKEN)
       :: !admits || MAY(old)
-      fi
+      fi;
+      DONE
     }
   :: atomic {
       EVENT(STEP_ADMIT) && front ->
@@ -342,6 +353,7 @@ end:
         fi;
         who = 0
       }
+      DONE
     }
   :: atomic {
       EVENT(STEP_OPEN) && front ->
@@ -366,6 +378,7 @@ end:
         c2 = 0;
         c3 = 0
       }
+      DONE
     }
   :: atomic {
       (EVENT(STEP_CLOSE) || EVENT(STEP_LOSE)) && front ->
@@ -381,6 +394,7 @@ end:
         c1 = 0;
         c2 = 0
       }
+      DONE
     }
   :: atomic {
       EVENT(STEP_ENGAGE) && front && !asked_engage ->
@@ -396,6 +410,7 @@ end:
         fi;
         who = 0
       }
+      DONE
     }
   :: atomic {
       EVENT(STEP_RELEASE) && front ->
@@ -407,6 +422,7 @@ end:
         fi;
         who = 0
       }
+      DONE
     }
   :: atomic {
       /* The front gave up the newest engage, and has told its client so. */
@@ -420,17 +436,20 @@ end:
         :: else
         fi
       }
+      DONE
     }
   :: atomic {
       EVENT(STEP_STOP) && net_stop ->
       net_stop = 0;
-      post_stop()
+      post_stop();
+      DONE
     }
   :: atomic {
       EVENT(STEP_LOCAL_STOP) && STOPS ->
       stopped_locally = 1;
       local_hold = 1;
-      post_stop()
+      post_stop();
+      DONE
     }
   :: atomic {
       (EVENT(STEP_CLEAR) && front || EVENT(STEP_LOCAL_CLEAR)) && !clear[CLEARS - 1].any ->
@@ -447,6 +466,7 @@ end:
         c1 = 0;
         c2 = 0
       }
+      DONE
     }
   :: atomic {
       /* What a front sent before its end is taken first, stops above all. */
@@ -471,6 +491,7 @@ end:
         c2 = 0;
         front = 0
       }
+      DONE
     }
   :: atomic {
       EVENT(STEP_SIGTERM) && CLOSES && !closing ->
@@ -486,6 +507,7 @@ end:
         fi;
         check_lease()
       }
+      DONE
     }
   od
 }
@@ -538,6 +560,12 @@ inline answer_clear() {
     TELL(CLEAR_NO);
     forget_clear(0)
   :: !clear[0].any || before_clear > 0 && MAY(gave_up_clear == 0)
+  fi;
+  if
+  :: !clear[0].any && clear[1].any && MAY(gave_up_next_clear) ->
+    TELL(CLEAR_NO);
+    forget_clear(1)
+  :: clear[0].any || !clear[1].any || MAY(gave_up_next_clear == 0)
   fi;
   d_step {
     if
@@ -609,6 +637,7 @@ end:
         pop_record();
         check_lease()
       }
+      DONE
     }
   od
 }
@@ -742,7 +771,6 @@ inline step_machine() {
       :: !closing && !stop && !fault -> state = IDLE
       :: else
       fi
-    :: state == CLOSING
     fi
   fi
 }
@@ -831,6 +859,7 @@ end:
         c4 = 0;
         c5 = 0
       }
+      DONE
     }
   od
 }

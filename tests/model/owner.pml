@@ -562,9 +562,11 @@ inline answer_clear() {
   :: !clear[0].any || before_clear > 0 && MAY(gave_up_clear == 0)
   fi;
   if
+#if CLEARS > 1
   :: !clear[0].any && clear[1].any && MAY(gave_up_next_clear) ->
     TELL(CLEAR_NO);
     forget_clear(1)
+#endif
   :: clear[0].any || !clear[1].any || MAY(gave_up_next_clear == 0)
   fi;
   d_step {

@@ -17,8 +17,8 @@ DirectionGuard::DirectionGuard(const ProjectionModel& model, const VecA& stiffne
   }
 }
 
-bool DirectionGuard::allows(const Probe& probe, const VecX& dx, const VecA& tau_a) noexcept {
-  double towards = 0.0;
+double DirectionGuard::share(const Probe& probe, const VecX& dx, const VecA& tau_a) noexcept {
+  double towards = 0.0, share = 1.0;
   for (Block& block : blocks_) {
     block.dx = dx.segment(block.at.first_x, block.at.n_x());
     if ((block.dx.array() == 0.0).all()) continue;
@@ -34,20 +34,19 @@ bool DirectionGuard::allows(const Probe& probe, const VecX& dx, const VecA& tau_
     // With several fingers one would take the force of all.
     const bool one_finger = blocks_.size() == 1 && block.at.kinematics->mechanisms().size() <= 1;
     if (!one_finger || block.solver.status() != ProjectionStatus::kExact) continue;
-    bool pushed_in = false;
     ContactView contacts = probe.contacts;
     contacts.first_x = block.at.first_x;
     for_each_contact(block.model, contacts, bare, block.by_joint, block.out,
                      [&](VecX& out, double depth, int) {
-                       if (pushed_in || !(depth > block.band)) return;
                        metric.weigh(out);
                        const VecA way = block.solver.also(block.J, out);
-                       pushed_in = tau.dot(way) < 0.0 && leverage(block.solver, way) >= kLeverage;
+                       if (!(tau.dot(way) < 0.0)) return;
+                       const double reached = leverage(block.solver, way);
+                       share = std::min(share, slack_at(depth, block.band, reached));
                      });
-    if (pushed_in) return false;
   }
   // tau_a^T (S J^+ dx) >= 0: the force does not leave the proxy's side as the finger feels it.
-  return towards >= 0.0;
+  return towards >= 0.0 ? share : 0.0;
 }
 
 }  // namespace haptic::core

@@ -5,18 +5,6 @@
 
 namespace haptic::core {
 
-namespace {
-
-/// The share of d, 0 to 1, whose force may be lent with `left` J.
-double lent(double left, const SpringStorage& after, const VecA& d, const Motion& motion) noexcept {
-  if (!(left > 0.0)) return 0.0;
-  const double share = motion.share(after.force(d), left);
-  if (share >= 1.0) return 1.0;
-  return share > 0.0 ? share * after.relief(d) : 0.0;  // 0 too if it is no number
-}
-
-}  // namespace
-
 void EnergyTank::refill(double dt, const HoldAccount& account) noexcept {
   // Physical damping is never credited: it pays the hold's leak, and only that.
   const double unpaid_leak = std::max(0.0, account.leak - account.device_damping);
@@ -25,8 +13,8 @@ void EnergyTank::refill(double dt, const HoldAccount& account) noexcept {
       settings_.capacity);
 }
 
-double Motion::share(const VecA& tau, double left) const noexcept {
-  double goes_on = 0.0, faster = 0.0;  // J: s tau gives at most s goes_on + s^2 faster
+double Motion::share(const VecA& tau, double left, double fade) const noexcept {
+  double goes_on = 0.0, faster = fade;  // J: s tau gives at most s goes_on + s^2 faster
   for (Eigen::Index i = 0; i < tau.size(); ++i) {
     if (tau[i] == 0.0) continue;
     const double way = tau[i] < 0.0 ? -1.0 : 1.0;
@@ -45,25 +33,56 @@ double Motion::share(const VecA& tau, double left) const noexcept {
   return 2.0 * left / (goes_on + std::sqrt(goes_on * goes_on + 4.0 * faster * left));
 }
 
+double Motion::fading(const VecA& tau) const noexcept {
+  double power = 0.0;
+  for (Eigen::Index i = 0; i < tau.size(); ++i) power += std::max(0.0, tau[i] * drift[i]);
+  // In a straight line; s tau takes s times as long, and gives s^2 times as much.
+  return 0.5 * kFaster * power * ForceFade::time(tau, limit);
+}
+
 double EnergyTank::admit(double before, const SpringStorage& after, const VecA& d,
                          const Motion* motion, double contacts) noexcept {
   const double allowed = before + (level_ + contacts_);
   contacts_ = 0.0;
   const double wanted = after.energy(d);
-  if (wanted <= allowed + kRounding ||
-      wanted == 0.0) {  // where there is no spring, nothing is held
+  // Where there is no spring, nothing is held.
+  const bool stored = wanted <= allowed + kRounding || wanted == 0.0;
+  if (stored && fade_.share() == 1.0) {
     keep(allowed - wanted, contacts);
     return 1.0;
   }
   // More is stored than is there, but what counts is what is given.
-  const double paid = after.scale_to(d, allowed);
-  const double share = motion != nullptr ? lent(allowed, after, d, *motion) : 0.0;
-  if (!(share > paid)) {
+  const double paid = stored ? 1.0 : after.scale_to(d, allowed);
+  const double share = motion != nullptr ? eased(allowed, paid, after, d, *motion) : paid;
+  if (share == paid && !stored) {
     level_ = std::min(allowed, 0.0);
-    return paid;
+  } else {
+    keep(allowed - after.energy(VecA(share * d)), contacts);
   }
-  level_ = allowed - after.energy(VecA(share * d));
   return share;
+}
+
+double EnergyTank::eased(double left, double paid, const SpringStorage& after, const VecA& d,
+                         const Motion& motion) noexcept {
+  const VecA tau = after.force(d);
+  const double relief = after.relief(d);
+  const double stored = std::min(1.0, paid / relief);  // as a share of tau
+  double lent = 0.0, fading = 0.0;
+  if (left > 0.0) {
+    lent = motion.share(tau, left);
+    fading = motion.share(tau, left, motion.fading(tau));
+  }
+  VecA last = motion.held;
+  for (Eigen::Index i = 0; i < tau.size(); ++i) {
+    if (!(last[i] * tau[i] > 0.0)) last[i] = 0.0;
+  }
+  double share = fade_.towards(std::max(stored, fading), ForceFade::time(tau, motion.limit),
+                               ForceFade::time(last, motion.limit), motion.tick);
+  const double most = std::max(stored, lent);
+  if (!(share < most)) share = most;  // also if it is no number
+  fade_.at_most(share);
+  if (share == stored) return paid;
+  return share >= 1.0 ? 1.0 : share * relief;
 }
 
 void EnergyTank::keep(double left, double contacts) noexcept {

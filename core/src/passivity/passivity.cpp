@@ -62,7 +62,7 @@ Passivity::Passivity(const PassivitySettings& settings, int n_a)
       damping_(VecA::Zero(n_a)) {
   if (settings_.device_damping.size() == 0) settings_.device_damping = VecA::Zero(n_a);
   spring_.stiffness = spring_.limit = VecA::Zero(n_a);
-  motion_ = {VecA::Zero(n_a), VecA::Zero(n_a), VecA::Zero(n_a), VecA::Zero(n_a), {}};
+  motion_.dq = motion_.more = motion_.held = motion_.kick = motion_.drift = VecA::Zero(n_a);
   record_.on = true;
 }
 
@@ -77,6 +77,7 @@ void Passivity::measure(const VecA& q_a, bool fresh, bool recent, Duration dt,
   elastic_sum_ += elapsed * elastic_;
   damping_sum_ += elapsed * damping_;
   since_sample_ += elapsed;
+  motion_.tick = elapsed;
   record_.hold = {};
   if (!recent) observer_.release();
   if (fresh) {
@@ -102,6 +103,8 @@ void Passivity::book(const VecA& q_a, const VecA& force) noexcept {
   motion_.more = dq - motion_.dq;
   motion_.dq = dq;
   motion_.held = elastic_;
+  motion_.drift +=
+      std::min(1.0, since_sample_ / Motion::kDrift_s) * (dq / since_sample_ - motion_.drift);
   hold_s_ = since_sample_;
   for (Eigen::Index i = 0; i < settings_.device_inertia.size(); ++i) {
     motion_.kick[i] = 0.5 * since_sample_ * since_sample_ / settings_.device_inertia[i];
@@ -136,6 +139,7 @@ const VecA& Passivity::admit(const SpringStorage& spring, const VecA& anchor, do
     // A force's part in a motion within a hold is known only with the inertia that it moves.
     const bool lends = settings_.device_inertia.size() > 0;
     motion_.slew = hold_s_ * slew;
+    motion_.limit = spring.limit;
     record_.scale = tank_.admit(before, spring, wanted, lends ? &motion_ : nullptr, contacts);
   }
   record_.throttled = record_.scale < 1.0;

@@ -107,6 +107,7 @@ void BlockRenderer::project(const Probe& probe, const VecX& x, const VecX& dx,
   }
   out.q_star.resize(probe.q.size());
   out.status = ProjectionStatus::kNone;
+  out.q_wish.resize(probe.q.size());
   out.condition = out.storage = out.damping = 0.0;
   out.contradicted = out.between = false;
   double squares = 0.0;
@@ -117,12 +118,15 @@ void BlockRenderer::project(const Probe& probe, const VecX& x, const VecX& dx,
       block.seen = block.held = false;  // whatever is displaced next is solved
       const double* q = probe.q.data() + block.at.first_q;
       std::copy(q, q + block.n_q, out.q_star.data() + block.at.first_q);
+      std::copy(q, q + block.n_q, out.q_wish.data() + block.at.first_q);
       out.status = std::max(out.status, ProjectionStatus::kExact);
       continue;
     }
     block.project(probe, x, dx, stiffness, proxy_changed);
     const VecQ& q_star = block.out.q_star;
     std::copy(q_star.data(), q_star.data() + block.n_q, out.q_star.data() + block.at.first_q);
+    const VecQ& wish = block.out.contradicted ? block.out.q_wish : q_star;
+    std::copy(wish.data(), wish.data() + block.n_q, out.q_wish.data() + block.at.first_q);
     out.status = std::max(out.status, block.out.status);  // in the order of their gravity
     out.condition = std::max(out.condition, block.out.condition);
     out.storage += block.out.storage;

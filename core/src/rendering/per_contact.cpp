@@ -84,6 +84,7 @@ void PerContact::project(const Probe& probe, const VecX& /*x*/, const VecX& dx,
                    });
   if (n_a == 1) {
     if (!pushed_in) return;
+    out.q_wish = out.q_star;
     tau_ *= share;
     out.q_star[layout.actuated(0)] =
         probe.q[layout.actuated(0)] + share * solver.dq()[layout.actuated(0)];
@@ -92,6 +93,7 @@ void PerContact::project(const Probe& probe, const VecX& /*x*/, const VecX& dx,
   }
   const VecA within = most(probe.contacts, stiffness);
   if (!pushed_in && (tau_.array().abs() <= within.array()).all()) return;
+  out.q_wish = out.q_star;
   out.contradicted = hold_back(solver, within);
   for (int i = 0; i < n_a; ++i) {
     const int k = layout.actuated(i);

@@ -23,6 +23,7 @@ RenderedSpring::RenderedSpring(const ProjectionModel& model, const PipelineConfi
       hold_(seconds(config.device.sample_period)),
       by_sum_(keeps_guard(model)),
       guard_(model, config.scene.stiffness),
+      eased_(layout_.n_a()),
       stretch_(VecA::Zero(layout_.n_a())),
       displayed_(VecA::Ones(layout_.n_a())),
       elastic_(stretch_) {
@@ -42,7 +43,17 @@ void RenderedSpring::step(const Beat& beat, const Sensed& sensed, const Anchor& 
     weakest_ = coupled_->hold_within(force_limit);
   }
   const bool pulls = wanted.anchored && wanted.mapped;
-  const bool taken_off = pulls && withheld(sensed, wanted, settings, at, effort);
+  const bool held_back = pulls && at.q_wish != nullptr;
+  const VecA wish =
+      held_back ? VecA(layout_.select(*at.q_wish) - layout_.select(sensed.q)) : stretch_;
+  const double share = pulls ? guarded(wanted, settings, at) : 1.0;
+  if (life.engaged) eased_.restart();
+  bool taken_off = false;
+  if (held_back || share < 1.0 || !eased_.whole()) {
+    taken_off = ease(beat, sensed, wish, share, settings, force_limit, effort);
+  } else {
+    eased_.follow(limited(stretch_, settings, force_limit));
+  }
   if (passivity_) {
     pay(beat, sensed, wanted, life, settings, at, taken_off || !wanted.anchored, effort);
   }
@@ -63,19 +74,44 @@ void RenderedSpring::hold(const Effort& effort) noexcept {
   if (passivity_) passivity_->hold(effort.tau_elastic, effort.tau_damping);
 }
 
-bool RenderedSpring::withheld(const Sensed& sensed, const Anchor& wanted, const Settings& settings,
-                              const Displacement& at, Effort& effort) noexcept {
+double RenderedSpring::guarded(const Anchor& wanted, const Settings& settings,
+                               const Displacement& at) noexcept {
   const bool guarded = settings.direction_guard &&
                        settings.renderer != RendererKind::kPerContact;  // has a rule of its own
   const bool towards = by_sum_ && settings.renderer == RendererKind::kSubspaceLinear &&
                        wanted.projection == ProjectionStatus::kExact;
-  if (!guarded || towards || guard_.allows(at.probe, at.dx, force(settings))) return false;
-  effort.limiters.set(Limiter::kDirectionGuard);
-  stretch_.setZero();
+  return guarded && !towards ? guard_.share(at.probe, at.dx, force(settings)) : 1.0;
+}
+
+VecA RenderedSpring::limited(const VecA& stretch, const Settings& settings,
+                             const VecA& force_limit) const noexcept {
+  if (coupled_) return coupled_->force(stretch);
+  return settings.stiffness.cwiseProduct(stretch).cwiseMin(force_limit).cwiseMax(-force_limit);
+}
+
+bool RenderedSpring::ease(const Beat& beat, const Sensed& sensed, const VecA& wish, double share,
+                          const Settings& settings, const VecA& force_limit,
+                          Effort& effort) noexcept {
+  const VecA wished = limited(wish, settings, force_limit);
+  const VecA allowed = share * limited(stretch_, settings, force_limit);
+  const VecA& used = eased_.step(wished, allowed, force_limit, seconds(beat.dt));
+  if (eased_.whole()) return false;
+  effort.limiters.set(settings.renderer == RendererKind::kPerContact ? Limiter::kContacts
+                                                                     : Limiter::kDirectionGuard);
+  if (used == allowed && share == 1.0) return false;
+  const VecA& K = settings.stiffness;
+  double most = 0.0;  // share of a coupled spring
   for (int i = 0; i < layout_.n_a(); ++i) {
-    q_star_[layout_.actuated(i)] = sensed.q[layout_.actuated(i)];
+    if (wished[i] != 0.0) most = std::max(most, std::min(1.0, used[i] / wished[i]));
+    if (!coupled_) stretch_[i] = K[i] > 0.0 ? used[i] / K[i] : 0.0;
   }
-  return true;
+  if (coupled_) stretch_ = most * wish;
+  const bool none = (stretch_.array() == 0.0).all();
+  for (int i = 0; i < layout_.n_a(); ++i) {
+    const int k = layout_.actuated(i);
+    q_star_[k] = none ? sensed.q[k] : sensed.q[k] + stretch_[i];
+  }
+  return none;
 }
 
 /// The spring in the book has the force of the rendered one, but from a nearer anchor and with a

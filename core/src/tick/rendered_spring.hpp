@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "haptic/core/passivity/direction_guard.hpp"
+#include "haptic/core/passivity/force_fade.hpp"
 #include "haptic/core/passivity/passivity.hpp"
 #include "haptic/core/safety/actuator_ratings.hpp"
 #include "rendering.hpp"
@@ -35,9 +36,17 @@ class RenderedSpring {
   [[nodiscard]] int saturated() const noexcept;
 
  private:
-  /// The direction guard. True: the elastic force is withheld, and the anchor is at q.
-  [[nodiscard]] bool withheld(const Sensed& sensed, const Anchor& wanted, const Settings& settings,
-                              const Displacement& at, Effort& effort) noexcept;
+  /// The share of the elastic force that the direction guard allows.
+  [[nodiscard]] double guarded(const Anchor& wanted, const Settings& settings,
+                               const Displacement& at) noexcept;
+  /// Moves the anchor towards what guard (`share`) and contacts allow. `wish`: S (q* - q) if they
+  /// allowed all, n_a. True: all of the force is withheld, and the anchor is at q.
+  [[nodiscard]] bool ease(const Beat& beat, const Sensed& sensed, const VecA& wish, double share,
+                          const Settings& settings, const VecA& force_limit,
+                          Effort& effort) noexcept;
+  /// The force of a stretch within its limit at gain 1, n_a.
+  [[nodiscard]] VecA limited(const VecA& stretch, const Settings& settings,
+                             const VecA& force_limit) const noexcept;
   /// The tank decides the anchor in use, the observer what it adds to the damping.
   void pay(const Beat& beat, const Sensed& sensed, const Anchor& wanted, const Lifecycle& life,
            const Settings& settings, const Displacement& at, bool off, Effort& effort) noexcept;
@@ -49,6 +58,7 @@ class RenderedSpring {
   const double hold_;          ///< nominal period of the device's samples, s
   const bool by_sum_;          ///< the guard judges Eq. (8) by Eq. (15) alone, which it keeps
   DirectionGuard guard_;
+  EasedForce eased_;
   std::optional<Passivity> passivity_{};
   std::optional<SpringStorage> coupled_{};  ///< at gain 1
   VecQ q_star_{};                           ///< in use

@@ -26,6 +26,7 @@ Anchor Rendering::step(const LocalProxy::Moment& moment, const Sensed& sensed,
     anchored_ = false;
     now.q_star = sensed.q;
     projection_.residual = projection_.condition = 0.0;
+    projection_.contradicted = false;
     if (now.mapped) map_.differentiate(0);
   } else if (!now.mapped || !project(sensed, settings, now)) {
     // The spring stays anchored where it was, and alive. A block that was free has no spring that

@@ -16,6 +16,9 @@ struct Displacement {
   Probe probe;     ///< J is of this tick only in the blocks in which `dx` is not 0
   const VecX& dx;  ///< x (-) x_probe, n_x; of this tick if Anchor::mapped and Anchor::in_the_way
   const BlockRenderer& renderer;
+  /// Where the spring would be anchored if no contact held it back (rule per contact), n_q; null:
+  /// none does.
+  const VecQ* q_wish{nullptr};
 };
 
 class Rendering {
@@ -31,7 +34,10 @@ class Rendering {
                             const VecQ& in_use) noexcept;
   /// Displacement of the last step; valid until the next, and as long as `sensed`.
   [[nodiscard]] Displacement displacement(const Sensed& sensed) const noexcept {
-    return {{sensed.q, map_.x_probe(), map_.J(), {local_.contacts()}}, dx_, renderer_};
+    return {{sensed.q, map_.x_probe(), map_.J(), {local_.contacts()}},
+            dx_,
+            renderer_,
+            projection_.contradicted ? &projection_.q_wish : nullptr};
   }
 
  private:

@@ -134,8 +134,8 @@ TEST(TaskMetric, GuardNeverWithholdsTheLinearisedForce) {
     const VecA tau = weighted_force(RendererKind::kSubspaceLinear, model, x, Z_q);
     DirectionGuard guard(model, Z_q);
     const Instant at(*map, VecQ::Zero(n_q), x);
-    ASSERT_TRUE(guard.allows(at.probe(), x, tau));
-    ASSERT_EQ(guard.allows(at.probe(), x, -tau), tau.norm() == 0.0);
+    ASSERT_TRUE(guard.share(at.probe(), x, tau) > 0.0);
+    ASSERT_EQ(guard.share(at.probe(), x, -tau) > 0.0, tau.norm() == 0.0);
   }
 }
 

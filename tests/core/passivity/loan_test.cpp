@@ -22,7 +22,7 @@ TankSettings holding(double initial) {
 
 /// A device that went `dq` in the last hold, as in the one before; its inertia is boundless.
 Motion steady(double dq, double held) {
-  return {one(dq), one(0.0), one(held), one(0.0), {}};
+  return {one(dq), one(0.0), one(held), one(0.0), {}, one(0.0), one(1e9), 1e-3};
 }
 
 TEST(Loan, TheNextHoldKeepsWithinIt) {
@@ -42,7 +42,7 @@ TEST(Loan, TheNextHoldKeepsWithinIt) {
 /// 50 g, sampled once per ms, led by a hand that holds 4 N: at rest it goes 4 N (1 ms)^2 / (2 50 g)
 /// = 0.04 mm in the hold in which the hand lets go, and three times as far in the next one.
 Motion of_50_g(double dq, double before) {
-  return {one(dq), one(dq - before), one(4.0), one(1e-5), {}};
+  return {one(dq), one(dq - before), one(4.0), one(1e-5), {}, one(0.0), one(1e9), 1e-3};
 }
 
 TEST(Loan, AHandMayLetGo) {
@@ -159,6 +159,38 @@ TEST(Loan, EndsWithoutAJump) {
     passivity.measure(one(q), true, true, milliseconds(1));
   }
   EXPECT_GT(tau, 3.0);
+}
+
+/// The same with a force limit of 25 N: it fades by at most 0.125 N per ms, down and up, and gives
+/// no more than the tank had. J, N/m, m/s.
+void expect_a_fade(double initial, double stiffness, double speed) {
+  PassivitySettings settings;
+  settings.tank = holding(initial);
+  settings.device_damping = one(2.0);
+  settings.device_inertia = one(0.05);
+  Passivity passivity(settings, 1);
+  passivity.restart();
+  const SpringStorage k{one(stiffness), one(25.0), 1.0};
+  double q = 0.0, tau = 4.0, given = 0.0, weakest = 4.0;
+  passivity.measure(one(q), true, true, milliseconds(1));
+  for (int n = 0; n < 1000; ++n) {
+    const double before = tau, way = 1e-3 * (n < 500 ? speed : -speed);
+    tau = k.force(one(passivity.admit(k, one(q + 4.0 / stiffness))[0] - q))[0];
+    passivity.hold(one(tau), one(0.0));
+    ASSERT_LE(std::abs(tau - before), 0.125 + 1e-9) << n;
+    weakest = std::min(weakest, tau);
+    given += tau * way - 2.0 * way * way / 1e-3;
+    q += way;
+    passivity.measure(one(q), true, true, milliseconds(1));
+    ASSERT_LE(given, initial + 1e-9) << n;
+  }
+  EXPECT_LT(weakest, 1.0) << "nothing had to fade";
+  EXPECT_EQ(tau, 4.0) << "it is whole again";
+}
+
+TEST(Loan, FadesSlowly) {
+  for (const double speed : {0.01, 0.02, 0.06}) expect_a_fade(0.012, 1500.0, speed);
+  expect_a_fade(0.004, 500.0, 0.02);
 }
 
 }  // namespace

@@ -202,7 +202,7 @@ TEST_F(BlockMapTest, GuardJudgesTheSumOfFingers) {
       const Probe probe = palm ? at.probe({&contacts}) : at.probe();
       const double towards = tau.dot(map->layout().select(VecQ(oracle::least_squares(at.J, dx))));
       if (std::abs(towards) < 1e-9) continue;
-      EXPECT_EQ(guard.allows(probe, dx, tau), towards > 0.0);
+      EXPECT_EQ(guard.share(probe, dx, tau) > 0.0, towards > 0.0);
       ++(towards > 0.0 ? allowed : withheld);
     }
     EXPECT_GT(allowed, 50);

@@ -154,7 +154,7 @@ TEST(DirectionGuard, WithholdsOnlyForceAwayFromProxy) {
         if (std::abs(w[k]) < 0.05 * w.norm()) continue;  // hardly any leverage
         expected = expected && tau[0] * w[k] * at.dx[k] >= 0.0;
       }
-      ASSERT_EQ(guard.allows(at.probe(), at.dx, tau), expected) << name(kind);
+      ASSERT_EQ(guard.share(at.probe(), at.dx, tau) > 0.0, expected) << name(kind);
       (expected ? allowed : withheld) += 1;
     }
   }
@@ -180,8 +180,8 @@ TEST(DirectionGuard, IgnoresContactsBeyondTheActuator) {
     contacts.into.col(1) = Eigen::Vector2d(-w[1], w[0]).normalized() + 1e-3 * normal(random) * w;
     contacts.depth = PlaneSet::Offsets::Constant(2, 0.1);
     const VecX dx = 0.01 * w.normalized();
-    ASSERT_TRUE(guard.allows(at.probe({&contacts}), dx, one(1.0))) << i;
-    ASSERT_FALSE(guard.allows(at.probe({&contacts}), dx, one(-1.0))) << i;
+    ASSERT_TRUE(guard.share(at.probe({&contacts}), dx, one(1.0)) > 0.0) << i;
+    ASSERT_FALSE(guard.share(at.probe({&contacts}), dx, one(-1.0)) > 0.0) << i;
   }
 }
 

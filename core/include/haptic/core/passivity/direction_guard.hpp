@@ -1,8 +1,9 @@
 #pragma once
 /// The direction guard (core/METHOD.md#forces-at-the-finger): the elastic force must not point away
 /// from the proxy as the finger feels it, Eq. (15): tau_a^T (S J^+ dx) >= 0. Otherwise it is
-/// withheld for the tick. So is a force that pushes into a contact deeper than contact_band():
-/// tau_a^T (S J^+ out_i) >= 0 for each. A map with several fingers is judged by the sum alone. If
+/// withheld. So is a force that pushes into a contact, tau_a^T (S J^+ out_i) < 0, but for the slack
+/// of the rule per contact: all of it deeper than contact_band(). EasedForce decides how fast it
+/// goes and comes. A map with several fingers is judged by the sum alone. If
 /// the map has blocks each is evaluated by itself; the J of a block with dx = 0 is not read.
 
 #include <memory>
@@ -20,15 +21,16 @@ class DirectionGuard {
   /// with the model's coupling, chooses the solution if J does not have full column rank, as in Eq.
   /// (8).
   explicit DirectionGuard(const ProjectionModel& model, const VecA& stiffness = {});
-  /// True if tau_a (n_a) points towards the proxy, or dx = 0. One linearised solve per block.
-  [[nodiscard]] bool allows(const Probe& probe, const VecX& dx, const VecA& tau_a) noexcept;
+  /// Share of tau_a (n_a) that is allowed: 1 if it points towards the proxy and out of every
+  /// contact, or dx = 0. One linearised solve per block.
+  [[nodiscard]] double share(const Probe& probe, const VecX& dx, const VecA& tau_a) noexcept;
 
  private:
   struct Block {
     MapBlock at;
     ProjectionModel model;
     LeastSquares solver;
-    double band{0.0};  ///< depth from which a contact is tested
+    double band{0.0};  ///< depth from which a contact takes no push
     bool by_joint{false};
     VecX out{};
     VecX dx{};  ///< W^{1/2} dx

@@ -1,9 +1,10 @@
 #pragma once
 /// The energy tank (core/METHOD.md#energy-tank): the force may give only as much energy as the tank
 /// holds. A spring that stores more than that is lent as long as its force keeps within what is
-/// left in the next hold, even if the hand lets go. The force ends as what is left ends, and is
-/// whole again when the user has put in enough. It reckons with V(q_a) and with the force that was
-/// held over each tick, so that for every client, renderer, rate and delay
+/// left in the next hold, even if the hand lets go. The force fades so early that what is left pays
+/// for letting it go slowly (ForceFade), and is whole again when the user has put in enough. It
+/// reckons with V(q_a) and with the force that was held over each tick, so that for every client,
+/// renderer, rate and delay
 ///   energy given to the user, net of the device's own damping
 ///     <= initial + integral P_env dt + debt.
 /// The level falls below 0 only by what the tank cannot refuse. That is the leak of the hold on a
@@ -13,6 +14,7 @@
 /// what it stores; debt is what the whole spring could not pay. If the tank only refused further
 /// changes and kept the spring, a stiff spring would give out 100 times as much energy (measured).
 
+#include "haptic/core/passivity/force_fade.hpp"
 #include "haptic/core/passivity/spring_storage.hpp"
 #include "haptic/core/types.hpp"
 
@@ -38,16 +40,26 @@ struct HoldAccount {
 
 /// How the device moved, and what moved it: what the next hold can give at most follows from it.
 struct Motion {
-  VecA dq{};    ///< of the last hold, n_a; m or rad
-  VecA more{};  ///< dq less that of the hold before, n_a
-  VecA held{};  ///< force of the last hold, n_a
-  VecA kick{};  ///< T^2 / (2 M_a): how far a unit of force moves M_a in a hold, from rest, n_a
-  VecA slew{};  ///< by which a force can fall from hold to hold, n_a; size 0: at once
+  VecA dq{};         ///< of the last hold, n_a; m or rad
+  VecA more{};       ///< dq less that of the hold before, n_a
+  VecA held{};       ///< force of the last hold, n_a
+  VecA kick{};       ///< T^2 / (2 M_a): how far a unit of force moves M_a in a hold, from rest, n_a
+  VecA slew{};       ///< by which a force can fall from hold to hold, n_a; size 0: at once
+  VecA drift{};      ///< rate, m/s or rad/s, mean of about kDrift_s, n_a
+  VecA limit{};      ///< force limit, n_a: how slowly a force fades (ForceFade)
+  double tick{0.0};  ///< s
+
+  static constexpr double kDrift_s = 0.01;
+  static constexpr double kFaster = 2.0;
 
   /// The largest share, 0 to 1, of a force tau (n_a) that gives no more than `left` (J, > 0) in the
   /// next hold and in those in which it then falls by `slew`. In these it makes the device faster
   /// too, if nothing else pushes the device along it: a hand may let go with any sample.
-  [[nodiscard]] double share(const VecA& tau, double left) const noexcept;
+  /// `fade`, J: what tau gives besides while it fades.
+  [[nodiscard]] double share(const VecA& tau, double left, double fade = 0.0) const noexcept;
+  /// J that tau gives while it fades (ForceFade), if the device goes on kFaster as fast as it
+  /// drifts.
+  [[nodiscard]] double fading(const VecA& tau) const noexcept;
 };
 
 class EnergyTank {
@@ -62,6 +74,7 @@ class EnergyTank {
   void restart() noexcept {
     level_ = settings_.initial;
     contacts_ = 0.0;
+    fade_.restart();
   }
   /// Once per tick: adds P_env dt and what limits and rendered damping took from the user, and
   /// subtracts the hold's leak as far as the device's damping does not pay it. `dt` in s.
@@ -84,8 +97,12 @@ class EnergyTank {
 
  private:
   void keep(double left, double contacts) noexcept;
+  /// The share of d in use if `paid` may be stored and V(d) is not there, or was not.
+  [[nodiscard]] double eased(double left, double paid, const SpringStorage& after, const VecA& d,
+                             const Motion& motion) noexcept;
 
   TankSettings settings_;
+  ForceFade fade_{};
   double level_{0.0};
   double contacts_{0.0};
 };

@@ -26,6 +26,8 @@ struct Projection {
   double storage{0.0};
   /// Rule per contact: force held back because one contact's push would push another in.
   bool contradicted{false};
+  /// Then: where the spring would be anchored if no contact held it back, n_q.
+  VecQ q_wish{};
   /// Eq. (6) beyond reach: held on a branch though another is nearer, or on its way there.
   bool between{false};
   /// Rule per contact: share of damping near a singularity, 0 (none) to 1 (at it).

@@ -14,6 +14,7 @@ enum class ClientKind {
   kExtrapolated,   ///< not offered: x goes on at the rate of the last two samples
   kPlanes,         ///< every stop as a plane in every sample
   kDerivedPlanes,  ///< a plane only while the simulation sees contact (client library)
+  kContacts,       ///< contacts in every sample, with their curvature and the tick they are of
 };
 
 inline constexpr std::array<ClientKind, 5> kClientKinds{
@@ -22,11 +23,12 @@ inline constexpr std::array<ClientKind, 5> kClientKinds{
 
 /// Those that hapticd and its client library offer. (Free mode out of contact, held in it, is felt
 /// as a held proxy, which goes on with the probe where it was free.)
-inline constexpr std::array<ClientKind, 3> kOfferedClients{ClientKind::kHeld, ClientKind::kPlanes,
-                                                           ClientKind::kDerivedPlanes};
+inline constexpr std::array<ClientKind, 4> kOfferedClients{
+    ClientKind::kHeld, ClientKind::kPlanes, ClientKind::kDerivedPlanes, ClientKind::kContacts};
 
 [[nodiscard]] inline std::string_view name(ClientKind kind) noexcept {
-  return name_in({"held_force", "held", "extrapolated", "planes", "derived_planes"}, kind);
+  return name_in({"held_force", "held", "extrapolated", "planes", "derived_planes", "contacts"},
+                 kind);
 }
 
 struct Network {

@@ -82,12 +82,14 @@ Interval share_of(const std::vector<Felt>& all, double p, const Figure& figure) 
     return test::percentile(values, p);
   });
 }
-Interval error_of(const std::vector<Felt>& all) {
+/// One sum of squares in % of another, of the rms.
+Interval rms_of(const std::vector<Felt>& all, double FeelFigures::*part,
+                double FeelFigures::*whole) {
   return interval_of(all.size(), [&](const std::vector<std::size_t>& index) {
     double error = 0.0, ideal = 0.0;
     for (const std::size_t i : index) {
-      error += all[i].figures.error2;
-      ideal += all[i].figures.ideal2;
+      error += all[i].figures.*part;
+      ideal += all[i].figures.*whole;
     }
     return ideal > 0.0 ? kPercent * std::sqrt(error / ideal) : NAN;
   });
@@ -137,7 +139,9 @@ void print(const std::vector<Felt>& all, std::string_view noise, const Options& 
       sum([](const Felt& f) { return !f.spared; }),
       kPercent * (1.0 - most([](const Felt& f) { return 1.0 - f.kept; })),
       sum([](const Felt& f) { return f.figures.net > f.figures.tank_0 + 1e-6; }),
-      kMilli * most([](const Felt& f) { return f.figures.net; }), error_of(all),
+      kMilli * most([](const Felt& f) { return f.figures.net; }),
+      rms_of(all, &FeelFigures::error2, &FeelFigures::ideal2),
+      rms_of(all, &FeelFigures::added2, &FeelFigures::clean2),
       sum([](const Felt& f) { return f.figures.ended; }));
 }
 
@@ -147,26 +151,16 @@ void print_each(const Felt& f, std::string_view noise) {
       f.worst(), kMilli * f.figures.felt.actuator, band_tip(f.figures), f.figures.felt.weighted,
       s[0], s[1], s[2], s[3], s[4], s[5], toggles_of(f.figures), f.figures.throttled,
       f.figures.rough, kPercent * f.kept, kMilli * f.figures.net,
-      kPercent * std::sqrt(f.figures.error2 / f.figures.ideal2));
+      kPercent * std::sqrt(f.figures.error2 / f.figures.ideal2),
+      kPercent * std::sqrt(f.figures.added2 / f.figures.clean2));
 }
-
-constexpr const char* kEachHeader[]{"noise",           "kind",
-                                    "index",           "walls",
-                                    "client",          "worst",
-                                    "actuator_mn",     "tip_mn",
-                                    "weighted",        "tank_n_per_ms",
-                                    "guard_n_per_ms",  "band_n_per_ms",
-                                    "onset_n_per_ms",  "sample_n_per_ms",
-                                    "motion_n_per_ms", "toggles_per_s",
-                                    "throttled_ticks", "rough_ticks",
-                                    "kept_pct",        "net_mj",
-                                    "error_pct"};
 
 void print_header(bool each) {
   if (each) {
-    std::string line;
-    for (const char* column : kEachHeader) line += (line.empty() ? "" : ",") + std::string(column);
-    std::puts(line.c_str());
+    row("noise", "kind", "index", "walls", "client", "worst", "actuator_mn", "tip_mn", "weighted",
+        "tank_n_per_ms", "guard_n_per_ms", "band_n_per_ms", "onset_n_per_ms", "sample_n_per_ms",
+        "motion_n_per_ms", "toggles_per_s", "throttled_ticks", "rough_ticks", "kept_pct", "net_mj",
+        "error_pct", "added_pct");
     return;
   }
   row("noise", "drive", "method", "stiffness_n_per_m", "group", "runs", "tip_median_mn",
@@ -177,7 +171,8 @@ void print_header(bool each) {
       "sample_n_per_ms", "motion_n_per_ms", "guard_or_band_runs", "toggles_95_per_s",
       "toggles_95_lower_per_s", "toggles_95_upper_per_s", "toggles_most_per_s", "throttled_ticks",
       "throttled_runs", "rough_pct", "throttled_though_passive", "least_kept_pct", "over_tank",
-      "most_net_mj", "error_pct", "error_lower_pct", "error_upper_pct", "ended");
+      "most_net_mj", "error_pct", "error_lower_pct", "error_upper_pct", "added_pct",
+      "added_lower_pct", "added_upper_pct", "ended");
 }
 
 std::vector<SensorNoise> noises(const Options& options) {
@@ -251,10 +246,10 @@ void add_feel(CLI::App& app) {
       "not felt. N per ms: largest step, of the tank beyond the same motion without it, of guard "
       "and rule per contact beyond Eq. (8), and of that. rough: throttled ticks whose step of the "
       "tank is above 0.15. least_kept: force of a press that is passive without a tank. error: of "
-      "the torque at both joints against no noise, no tank and planes in every tick.");
+      "the torque at both joints against no noise, no tank and planes in every tick, at the "
+      "stiffness in effect. added: against the same client without noise, its filters and tank.");
   auto o = std::make_shared<Options>();
-  command->add_option("--noise", o->noise, "of the sensors (all kinds)")
-      ->check(CLI::IsMember({"none", "scene", "pot_12_bit", "encoder_14_bit", "5um_0.05deg"}));
+  add_noise(*command, o->noise, "of the sensors (all kinds)");
   command->add_option("--method", o->method, "renderer (per_contact)");
   command->add_option("--client", o->client, "this one alone")
       ->check(CLI::IsMember({"held", "held_late", "planes", "planes_late"}));

@@ -35,12 +35,27 @@ core::PipelineConfig plain(core::PipelineConfig config) {
   return config;
 }
 
+core::PipelineConfig unfiltered(core::PipelineConfig config) {
+  [](auto& any) {
+    if constexpr (requires { any.filter; }) any.filter = {};
+  }(config);
+  return config;
+}
+
 /// One tick's forces in a row, of which the spectra are made.
 struct Series {
   std::vector<double> tau{}, untanked{}, lever{};  ///< N, N, m/rad of the PIP
   std::vector<Eigen::Vector2d> x{}, w{};
   std::vector<char> touching{};
 
+  void add(const FeelTick& tick, const core::VecX& lever_now, bool in_contact) {
+    tau.push_back(tick.tau);
+    untanked.push_back(tick.untanked);
+    lever.push_back(lever_now[1]);
+    x.push_back(tick.x);
+    w.emplace_back(lever_now[0], lever_now[1]);
+    touching.push_back(in_contact ? 1 : 0);
+  }
   [[nodiscard]] Vibration at(std::size_t from, std::size_t n, const std::vector<double>& force,
                              const hw::FingerParameters& finger) const {
     const std::span<const double> part(force.data() + from, n);
@@ -77,24 +92,25 @@ struct Series {
 /// Steps of the force and their causes, and what comes and goes.
 class Steps {
  public:
-  void see(const core::TickRecord& felt, const core::TickRecord& untanked, const FeelTick& tick,
+  void see(const core::TickRecord& felt, const core::TickRecord& without, const FeelTick& tick,
            FeelFigures& figures) {
     const bool touching = felt.anchor.in_the_way;
     const std::uint32_t planes = touching ? felt.anchor.active_planes : 0;
     onset_ = touching != touching_ || planes != planes_ ? kOnset : onset_ - 1;
     sample_ = felt.proxy.seq != seq_ ? kAfterSample : sample_ - 1;
-    const double tank = tick.tau - tick.untanked, rule = tick.untanked - tick.plain;
+    const double plain = tick.plain - last_.plain, untanked = tick.untanked - last_.untanked;
+    const double rule = beyond(untanked, plain), tank = beyond(tick.tau - last_.tau, untanked);
     const bool throttles = felt.limiters().has(core::Limiter::kEnergyTank);
-    const core::LimiterSet by = untanked.limiters();
+    const core::LimiterSet by = without.limiters();
     const bool guards = by.has(core::Limiter::kDirectionGuard);
     if (begun_) {
-      note(FeelCause::kTank, tank - tank_, figures);
-      note(guards || guarded_ ? FeelCause::kGuard : FeelCause::kBand, rule - rule_, figures);
+      note(FeelCause::kTank, tank, figures);
+      note(guards || guarded_ ? FeelCause::kGuard : FeelCause::kBand, rule, figures);
       note(onset_ > 0    ? FeelCause::kOnset
            : sample_ > 0 ? FeelCause::kSample
                          : FeelCause::kMotion,
-           tick.plain - plain_, figures);
-      figures.rough += throttles && std::abs(tank - tank_) > kFeltStep ? 1 : 0;
+           std::abs(plain), figures);
+      figures.rough += throttles && tank > kFeltStep ? 1 : 0;
       for (const core::Limiter limiter :
            {core::Limiter::kEnergyTank, core::Limiter::kDirectionGuard, core::Limiter::kContacts}) {
         figures.toggles += felt.limiters().has(limiter) != limiters_.has(limiter) ? 1 : 0;
@@ -108,15 +124,17 @@ class Steps {
     planes_ = planes;
     seq_ = felt.proxy.seq;
     limiters_ = felt.limiters();
-    tank_ = tank;
-    rule_ = rule;
-    plain_ = tick.plain;
+    last_ = tick;
   }
 
  private:
+  /// How far a step is outside of what lies between none and the other: what is felt of it more.
+  static double beyond(double step, double other) noexcept {
+    return std::max({0.0, step - std::max(other, 0.0), std::min(other, 0.0) - step});
+  }
   static void note(FeelCause cause, double step, FeelFigures& figures) {
     double& most = figures.step[static_cast<std::size_t>(cause)];
-    most = std::max(most, std::abs(step));
+    most = std::max(most, step);
   }
 
   bool begun_{false}, touching_{false}, guarded_{false};
@@ -124,29 +142,54 @@ class Steps {
   std::uint64_t seq_{0};
   int onset_{0}, sample_{0};  ///< ticks left
   core::LimiterSet limiters_{};
-  double tank_{0.0}, rule_{0.0}, plain_{0.0};
+  FeelTick last_{};
 };
 
-/// The four pipelines.
+/// The pipelines.
 struct Loops {
-  test::PipelineLoop felt, untanked, plain, ideal;
+  test::PipelineLoop felt, untanked, plain, clean, ideal;
 
   Loops(const FeelTask& task, const core::PipelineConfig& with, const core::PipelineConfig& without,
         double damping)
       : felt(with, task.remote, damping),
         untanked(without, task.remote, damping),
         plain(report::plain(without), task.remote, damping),
-        ideal(without, task.ideal, damping) {}
+        clean(unfiltered(without), task.remote, damping),
+        ideal(unfiltered(without), task.ideal, damping) {}
   void engage() {
-    for (test::PipelineLoop* loop : {&felt, &untanked, &plain, &ideal}) loop->engage();
+    for (test::PipelineLoop* loop : {&felt, &untanked, &plain, &clean, &ideal}) loop->engage();
   }
   void tick(const core::VecQ& reading, const core::VecQ& q) {
     for (test::PipelineLoop* loop : {&felt, &untanked, &plain}) {
       static_cast<void>(loop->tick(reading));
     }
-    static_cast<void>(ideal.tick(q));
+    for (test::PipelineLoop* loop : {&clean, &ideal}) static_cast<void>(loop->tick(q));
+  }
+  /// Forces of this tick.
+  [[nodiscard]] FeelTick forces() const {
+    const core::TickRecord& record = felt.record();
+    const core::VecA& derated = record.derating.stiffness;
+    const double share = derated.size() > 0 ? derated[0] / record.input.settings.stiffness[0] : 1.0;
+    FeelTick tick;
+    tick.tau = felt.tau();
+    tick.untanked = untanked.tau();
+    tick.plain = plain.tau();
+    tick.clean = clean.tau();
+    tick.ideal = share * ideal.tau();
+    tick.limiters = record.limiters();
+    return tick;
   }
 };
+
+/// Adds a tick to the sums of torques.
+void account(const FeelTick& tick, double w2, FeelFigures& figures) {
+  const auto square = [w2](double force) { return w2 * force * force; };
+  figures.force += std::abs(tick.tau) * test::PipelineLoop::kTick_s;
+  figures.error2 += square(tick.tau - tick.ideal);
+  figures.ideal2 += square(tick.ideal);
+  figures.added2 += square(tick.tau - tick.clean);
+  figures.clean2 += square(tick.clean);
+}
 
 }  // namespace
 
@@ -203,20 +246,13 @@ FeelFigures run(const FeelTask& task, const FeltDevice& device, const FeelRun& w
     if (k <= begins) continue;
     const core::TickRecord& record = loops.felt.record();
     figures.ended = figures.ended || record.life.state != core::LifecycleState::kEngaged;
-    const FeelTick tick{
-        t,           loops.felt.tau(), loops.untanked.tau(), loops.plain.tau(), loops.ideal.tau(),
-        physics.x(), record.limiters()};
-    steps.see(record, loops.untanked.record(), tick, figures);
+    FeelTick tick = loops.forces();
+    tick.t_s = t;
+    tick.x = physics.x();
     const core::VecX w = lever(loops.ideal.J());
-    series.tau.push_back(tick.tau);
-    series.untanked.push_back(tick.untanked);
-    series.lever.push_back(w[1]);
-    series.x.push_back(tick.x);
-    series.w.emplace_back(w[0], w[1]);
-    series.touching.push_back(loops.ideal.record().anchor.in_the_way ? 1 : 0);
-    figures.force += std::abs(tick.tau) * test::PipelineLoop::kTick_s;
-    figures.error2 += w.squaredNorm() * std::pow(tick.tau - tick.ideal, 2);
-    figures.ideal2 += w.squaredNorm() * tick.ideal * tick.ideal;
+    steps.see(record, loops.untanked.record(), tick, figures);
+    series.add(tick, w, loops.ideal.record().anchor.in_the_way);
+    account(tick, w.squaredNorm(), figures);
     if (observe) observe(tick);
   }
   figures.felt = series.all(task.press, series.tau, finger);

@@ -5,8 +5,9 @@
 ///
 /// Next to the felt pipeline, and on its readings, run two more: one without tank and observer, and
 /// one that renders Eq. (8) without the direction guard as well. So a step of the force has three
-/// parts: what the tank adds to the same motion without it, what guard or rule per contact add to
-/// that, and the rest. A fourth pipeline is the ideal: no noise, no tank, planes in every tick.
+/// parts: what the tank adds to the same motion's without it, what guard or rule per contact add to
+/// that, and the rest. To the pose itself, without noise, filters for it and tank, answer the same
+/// client and the ideal one, which sends planes in every tick.
 
 #include <array>
 #include <functional>
@@ -73,8 +74,10 @@ struct FeelFigures {
   double given{0.0};                       ///< J, most that was given
   double tank_0{0.0};                      ///< J
   double force{0.0};                       ///< N s, of the magnitude
-  /// Sums over the ticks of torques squared at both joints, (N m)^2.
-  double error2{0.0}, ideal2{0.0};
+  /// Sums over the ticks of torques squared at both joints, (N m)^2: felt less the ideal at the
+  /// stiffness in effect, that ideal, felt less the same client's without noise, filters and tank,
+  /// and the latter.
+  double error2{0.0}, ideal2{0.0}, added2{0.0}, clean2{0.0};
   bool ended{false};  ///< force ended early
 
   [[nodiscard]] double guard_step() const noexcept;  ///< the larger one of guard and band, N per ms
@@ -82,8 +85,8 @@ struct FeelFigures {
 inline constexpr double kFeltStep = 0.15;  ///< N per ms
 
 struct FeelTick {
-  double t_s{0.0}, tau{0.0}, untanked{0.0}, plain{0.0}, ideal{0.0};  ///< N
-  Eigen::Vector2d x{Eigen::Vector2d::Zero()};                        ///< rad
+  double t_s{0.0}, tau{0.0}, untanked{0.0}, plain{0.0}, clean{0.0}, ideal{0.0};  ///< N
+  Eigen::Vector2d x{Eigen::Vector2d::Zero()};                                    ///< rad
   core::LimiterSet limiters{};
 };
 

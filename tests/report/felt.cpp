@@ -21,7 +21,7 @@ constexpr double kMilli = 1e3;
 
 struct Options {
   std::vector<std::string> motions{};
-  std::string method{}, proxy{};
+  std::string method{}, proxy{}, noise{};
   std::optional<double> rate{}, delay{};
   int trajectories{200};
 };
@@ -45,21 +45,29 @@ struct Cell {
   std::vector<double> ns{};          ///< by turn
 };
 
-/// Delays at 60 Hz, rates at 20 ms, and both ends; with an option that one network.
+/// Every rate and delay; with an option that one network.
 std::vector<Network> networks(const Options& options) {
   if (options.rate || options.delay) {
     return {{options.rate.value_or(60.0), options.delay.value_or(0.0) / kMilli}};
   }
-  return {{1000, 0.0}, {60, 0.0},    {60, 0.020},   {60, 0.050}, {60, 0.100},
-          {30, 0.020}, {200, 0.020}, {1000, 0.020}, {30, 0.100}};
+  std::vector<Network> all;
+  for (const double rate : {1000.0, 200.0, 60.0, 30.0}) {
+    for (const double delay : {0.0, 0.020, 0.050, 0.100}) all.push_back({rate, delay});
+  }
+  return all;
 }
 
+/// All renderers at 60 Hz and 20 ms, or with an option; else the scene's own.
 std::vector<Cell> cells(const Options& options, const Network& network) {
+  const bool compared = options.rate || options.delay || !options.method.empty() ||
+                        (network.rate_hz == 60.0 && network.delay_s == 0.020);
   std::vector<Cell> all;
   for (const ClientKind kind : kOfferedClients) {
     if (!chosen(options.proxy, name(kind))) continue;
     for (const core::RendererKind renderer : core::kRenderers) {
-      if (chosen(options.method, core::name(renderer))) all.push_back({{renderer, kind, network}});
+      if (!compared && renderer != core::RendererKind::kPerContact) continue;
+      if (!chosen(options.method, core::name(renderer))) continue;
+      all.push_back({{renderer, kind, network, sensor_noise(options.noise)}});
     }
   }
   return all;
@@ -131,8 +139,8 @@ void print(const FeltMotions& motions, const Cell& cell, const std::string& of,
       interval([](const FeltSums& s) { return rms_percent(s.over2, s.best2); }),
       interval([](const FeltSums& s) { return rms_percent(s.all2, s.ideal_all2); }),
       interval([&](const FeltSums& s) { return share(s.limited, s); }), share(all.throttled, all),
-      share(all.guarded, all), all.ended,
-      interval_of(cell.ns.size(), [&](const std::vector<std::size_t>& index) {
+      share(all.guarded, all), kMilli * std::sqrt(all.band2 / static_cast<double>(all.ticks)),
+      all.ended, interval_of(cell.ns.size(), [&](const std::vector<std::size_t>& index) {
         return median_at(cell.ns, index);
       }));
 }
@@ -152,7 +160,7 @@ void print_all(const Options& options) {
       "error_upper_pct", "over_best_pct", "over_best_lower_pct", "over_best_upper_pct",
       "error_all_ticks_pct", "error_all_ticks_lower_pct", "error_all_ticks_upper_pct",
       "limited_pct", "limited_lower_pct", "limited_upper_pct", "throttled_pct", "guarded_pct",
-      "ended", "tick_ns", "tick_lower_ns", "tick_upper_ns");
+      "band_mn", "ended", "tick_ns", "tick_lower_ns", "tick_upper_ns");
   for (const Network& network : networks(options)) {
     std::vector<Cell> row_of_cells = cells(options, network);
     for (Cell& cell : row_of_cells) run_all(motions, device, cell);
@@ -191,8 +199,9 @@ void add_felt(CLI::App& app) {
   command->add_option("--trajectories", o->trajectories, "how many (200)")
       ->check(CLI::Range(2, 100000));
   command->add_option("--method", o->method, "this renderer alone");
+  add_noise(*command, o->noise, "of the sensors (none)");
   command->add_option("--proxy", o->proxy, "this kind of client alone")
-      ->check(CLI::IsMember({"held", "planes", "derived_planes"}));
+      ->check(CLI::IsMember({"held", "planes", "derived_planes", "contacts"}));
   command->add_option("--rate", o->rate, "of the client, Hz (a choice)")
       ->check(CLI::Range(30.0, 1000.0));
   command->add_option("--delay", o->delay, "ms, 0 to 100 (a choice)")

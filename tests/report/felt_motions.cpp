@@ -63,7 +63,7 @@ bool put_object(test::Random& random, FeltTrajectory& trajectory) {
     if (way.room < kRoom || (both && other.room < kRoom)) continue;
     const double depth = std::min(share * way.room, kDeepest);
     if (trajectory.round) {
-      const Vector2d centre = way.at + n * (radius - depth);
+      const Vector2d centre = trajectory.centre = way.at + n * (radius - depth);
       trajectory.object = [centre, radius](const core::VecX& x_probe) {
         Vector2d out = Vector2d(x_probe[0], x_probe[1]) - centre;
         const double distance = out.norm();

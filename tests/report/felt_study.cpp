@@ -7,6 +7,7 @@
 #include "hw/simulated/hand.hpp"
 #include "server/owner/scene/scene.hpp"
 #include "server/owner/scene/shipped.hpp"
+#include "tests/report/analysis/vibration.hpp"
 #include "tests/report/best_force.hpp"
 #include "tests/report/finger_press.hpp"
 #include "tests/support/cpu_time.hpp"
@@ -32,12 +33,38 @@ core::PipelineConfig config_of(const FeltDevice& device, core::RendererKind rend
   return config;
 }
 
+/// A simulation that tells its contacts: planes of walls, or the disc with its curvature.
+std::function<void(test::Frame&)> contacts_of(const FeltTrajectory& what) {
+  return [what](test::Frame& frame) {
+    frame.walls = what.object(frame.x_probe);
+    frame.x = frame.x_probe;
+    for (int i = 0; i < frame.walls.size(); ++i) {  // their normals are perpendicular
+      const auto n = frame.walls.normals.col(i);
+      frame.x -= std::max(0.0, n.dot(frame.x) - frame.walls.offsets[i]) * n;
+    }
+    frame.contact = frame.x != frame.x_probe;
+    frame.anchored = true;
+    if (!what.round) return;
+    const Eigen::Vector2d out = -frame.walls.normals.col(0);
+    const double distance = out.dot(Eigen::Vector2d(frame.x) - what.centre);
+    const Eigen::Matrix2d H =
+        (Eigen::Matrix2d::Identity() - out * out.transpose()) / distance;  // of the gap
+    frame.walls.curvature.resize(3);
+    frame.walls.curvature << H(0, 0), H(1, 0), H(1, 1);
+    frame.walls.curved[0] = 2;
+  };
+}
+
 }  // namespace
 
 test::ClientSettings client_of(const FeltTrajectory& what, ClientKind kind,
                                const Network& network) {
   test::ClientSettings client = client_of(kind, network, {});
-  client.object = what.object;
+  if (kind == ClientKind::kContacts) {
+    client.simulate = contacts_of(what);
+  } else {
+    client.object = what.object;
+  }
   client.seed = static_cast<std::uint64_t>(what.motion) + 1;
   return client;
 }
@@ -53,6 +80,7 @@ FeltSums& FeltSums::operator+=(const FeltSums& other) noexcept {
   best2 += other.best2;
   all2 += other.all2;
   ideal_all2 += other.ideal_all2;
+  band2 += other.band2;
   ended += other.ended;
   return *this;
 }
@@ -81,7 +109,9 @@ FeltSums run(const FeltTrajectory& what, const FeltDevice& device, const FeltRun
   hw::FingerPhysics physics(device.finger, config.kinematics, what.aim(0.0));
   BestForce best(config.kinematics->space(), config.scene.stiffness[0],
                  config.scene.force_limit[0]);
+  Sensors sensors(with.noise, *config.kinematics, static_cast<std::uint64_t>(what.motion) + 1);
   FeltSums sums;
+  std::vector<double> offs;
   const int begins = tick_of(kLeave_s), last = tick_of(kLeave_s + kFeltSeconds);
   for (int k = 1; k <= last; ++k) {
     if (k == tick_of(kEngage_s)) {
@@ -90,7 +120,7 @@ FeltSums run(const FeltTrajectory& what, const FeltDevice& device, const FeltRun
     }
     const double t = k * test::PipelineLoop::kTick_s - kLeave_s;
     if (k > begins) step_tick(physics, t, what.aim, felt.tau());
-    const core::TickRecord& record = felt.tick(physics.q());
+    const core::TickRecord& record = felt.tick(sensors.read(physics.q()));
     const core::LimiterSet limiters = record.limiters() | ideal.tick(physics.q()).limiters();
     if (inputs != nullptr) {
       (k > begins ? inputs->motion : inputs->before).push_back({record.input, felt.proxy()});
@@ -107,6 +137,7 @@ FeltSums run(const FeltTrajectory& what, const FeltDevice& device, const FeltRun
     }
     const VecX w = lever(felt.J());
     const double w2 = w.squaredNorm(), off = felt.tau() - ideal.tau();
+    offs.push_back(off);
     ++sums.ticks;
     sums.all2 += w2 * off * off;
     sums.ideal_all2 += w2 * ideal.tau() * ideal.tau();
@@ -123,6 +154,7 @@ FeltSums run(const FeltTrajectory& what, const FeltDevice& device, const FeltRun
     sums.over2 += w2 * over * over;
     sums.best2 += w2 * tau * tau;
   }
+  sums.band2 = std::pow(run_band_rms(offs), 2) * static_cast<double>(sums.ticks);
   return sums;
 }
 

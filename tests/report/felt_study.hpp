@@ -11,6 +11,7 @@
 #include "hw/motion/motion_csv.hpp"
 #include "hw/simulated/finger_physics.hpp"
 #include "tests/report/client_kind.hpp"
+#include "tests/report/sensor_noise.hpp"
 #include "tests/report/values.hpp"
 #include "tests/support/loop/remote_client.hpp"
 
@@ -38,6 +39,7 @@ struct FeltTrajectory {
   std::function<Eigen::Vector2d(double t_s)> aim{};  ///< rad, t in [0, kFeltSeconds]
   /// The object's planes, n_x by 1 or 2, nearest to a probe.
   std::function<core::PlaneSet(const core::VecX& x_probe)> object{};
+  Eigen::Vector2d centre{Eigen::Vector2d::Zero()};  ///< of a disc, rad
 };
 
 struct FeltMotions {
@@ -62,6 +64,7 @@ struct FeltRun {
   core::RendererKind renderer{core::RendererKind::kSubspaceLinear};
   ClientKind client{ClientKind::kHeld};
   Network network{};
+  SensorNoise noise{SensorNoise::kNone};  ///< of what is felt; the ideal has none
 };
 
 /// Sums over ticks, of torques at both joints squared, (N m)^2. Ideal: what a client that says in
@@ -79,7 +82,8 @@ struct FeltSums {
   double best2{0.0};   ///< best, in the same
   double all2{0.0};    ///< felt less ideal, in every tick
   double ideal_all2{0.0};
-  int ended{0};  ///< runs in which force ended before the motion did
+  double band2{0.0};  ///< of the force felt less ideal between 50 and 500 Hz, N^2, times ticks
+  int ended{0};       ///< runs in which force ended before the motion did
 
   FeltSums& operator+=(const FeltSums& other) noexcept;
 };

@@ -11,10 +11,10 @@ function exists(file,   line, found) {
   close(file)
   return found
 }
-function shown(cell) {  # four significant digits for numbers, text as it is
+function shown(cell) {  # three significant digits for numbers, text as it is
   if (cell !~ /^-?[0-9.]+(e[-+]?[0-9]+)?$/) return cell
   if (cell + 0 == int(cell + 0) && length(cell) < 8) return cell
-  return sprintf("%.4g", cell)
+  return sprintf(cell + 0 >= 100 || cell + 0 <= -100 ? "%.0f" : "%.3g", cell)
 }
 function cells_of(line, cells,   n, quoted, i, c, cell) {  # a CSV line, quotes and all
   n = 0

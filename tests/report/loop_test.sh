@@ -1,5 +1,5 @@
 #!/bin/sh
-# haptic-report closed-loop, rate, felt and rtt: what must hold with a client in the loop
+# haptic-report closed-loop, rate, felt, feel and rtt: what must hold with a client in the loop
 # (core/METHOD.md#results), on a part of their rows, and that without the safeguards it does not.
 #
 #   loop_test.sh HAPTIC-REPORT
@@ -137,6 +137,12 @@ for delay in 0 20 50 100; do
   last=$error
 done
 
+# Feel: without noise no press vibrates, with it some do, and nothing is given out beyond the tank.
+every "feel, no noise" 5 'tip_95_mn < 1 && over_tank == 0 && ended == 0' \
+  feel --noise none --presses 16 --motions 0
+every "feel, noise" 5 'over_tank == 0 && ended == 0 && error_pct > 0 && tip_95_mn > 0.1' \
+  feel --noise 5um_0.05deg --presses 16 --motions 4
+
 # Touch behind a network: contacts are felt as without delay, peers are not; what is known from the
 # first look on drags nowhere and comes in time.
 for object in soft_wall rigid_wall two_fingers; do
@@ -168,6 +174,8 @@ refused rtt --object nothing
 refused rtt --peer planes
 refused rtt --round-trip 500
 refused felt --proxy held_force
+refused feel --noise loud
+refused feel --client nobody
 refused felt --motion /nowhere.csv
 refused closed-loop --stop 18
 refused closed-loop --rate 10

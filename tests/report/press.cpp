@@ -23,7 +23,7 @@ constexpr std::uint64_t kSeed = 19;
 constexpr std::size_t kAllClients = 99;
 
 struct Options {
-  std::string method{};
+  std::string method{}, noise{};
   int presses{640}, only{-1};
   std::uint64_t seed{kSeed};
   double stiffness{0.0};
@@ -42,7 +42,7 @@ struct Pressed {
 };
 
 PressRun run_of(const RandomPress& press, core::RendererKind kind, const Options& options) {
-  PressRun how{kind, true, !options.unguarded, {}};
+  PressRun how{kind, true, !options.unguarded, {}, sensor_noise(options.noise)};
   if (!options.no_tank) how.tank = options.strict_tank ? 0.0 : default_tank(press);
   return how;
 }
@@ -85,7 +85,7 @@ void print_each(const Pressed& p, core::RendererKind kind, const std::string& li
       p.with.throttled, p.spared ? 0 : p.with.throttled, p.with.limited, p.with.contact,
       p.with.judged, p.with.off, p.with.unrenderable, p.with.weakest, p.with.ripple,
       p.with.pushed_in, 1e3 * p.with.given, 1e3 * p.with.most_given, 1e3 * p.with.most_net,
-      1e3 * p.untanked_most_given, p.with.throttled_step);
+      1e3 * p.untanked_most_given, p.with.throttled_step, 1e3 * p.with.band);
 }
 
 /// Counts of all presses by one renderer.
@@ -94,6 +94,7 @@ struct Count {
       weak_unthrottled{0}, ripple{0}, over_tank{0}, in_vain{0};
   long contact{0}, limited{0}, judged{0}, off{0}, unrenderable{0}, pushed_in{0};
   double worst_deg{-1e9}, worst_peak_deg{-1e9}, worst_net{0.0};
+  std::vector<double> band{};    ///< N
   std::vector<double> relief{};  ///< share of the depth without force that the force took away
 
   void add(const Pressed& p) {
@@ -112,6 +113,7 @@ struct Count {
     ripple += p.with.ripple > 0.2;
     over_tank += p.with.most_net > p.tank + 1e-6;
     worst_net = std::max(worst_net, p.with.most_net - p.tank);
+    band.push_back(p.with.band);
     contact += p.with.contact;
     limited += p.with.limited;
     judged += p.with.judged;
@@ -140,7 +142,8 @@ Line summary_of(const std::string& linkage, std::string_view method, std::string
                  percent(static_cast<double>(c.limited), static_cast<double>(c.contact)),
                  percent(static_cast<double>(c.unrenderable), static_cast<double>(c.contact)),
                  c.pushed_in, c.over_tank, 1e3 * c.worst_net, c.ripple,
-                 percent(test::percentile(c.relief, 0.5), 1.0), c.in_vain);
+                 percent(test::percentile(c.relief, 0.5), 1.0), c.in_vain,
+                 1e3 * test::percentile(c.band, 0.95));
 }
 
 /// Throws SceneError if the file cannot be written.
@@ -149,7 +152,7 @@ void write_summary(const std::string& path, const std::vector<Line>& lines) {
   file << "linkage,method,client,presses,deeper,deepest_deg,deeper_at_peak,deepest_at_peak_deg,"
           "throttled,throttled_though_passive,weakening,weakening_unthrottled,weakening_of,off_pct,"
           "limited_pct,unrenderable_pct,pushed_in_ticks,over_tank,most_net_mj,rippling,"
-          "median_relief_pct,in_vain\n";
+          "median_relief_pct,in_vain,band_95_mn\n";
   for (const Line& line : lines) file << line.text << '\n';
   if (!file.flush()) throw core::SceneError("press: cannot write " + path);
 }
@@ -162,7 +165,7 @@ void print(const Options& options) {
       "deeper_peak_deg", "end_force_n", "peak_force_n", "throttled_ticks",
       "throttled_though_passive_ticks", "limited_ticks", "contact_ticks", "judged_ticks",
       "off_ticks", "unrenderable_ticks", "weakest", "ripple_n", "pushed_in_ticks", "given_mj",
-      "most_given_mj", "most_net_mj", "untanked_most_given_mj", "throttled_step_n");
+      "most_given_mj", "most_net_mj", "untanked_most_given_mj", "throttled_step_n", "band_mn");
   const std::vector<core::RendererKind> kinds = methods(options);
   std::map<std::pair<std::size_t, std::size_t>, Count> counts;
   for (int i = 0; i < options.presses; ++i) {
@@ -222,6 +225,7 @@ void add_press(CLI::App& app) {
   command->add_option("--presses", options->presses, "how many (640)")->check(CLI::PositiveNumber);
   command->add_option("--seed", options->seed, "of the random presses");
   command->add_option("--method", options->method, "this renderer alone");
+  add_noise(*command, options->noise, "of the sensors (none)");
   command->add_option("--stiffness", options->stiffness, "Z_q in N/m (500 to 6000, random)");
   command->add_option("--press", options->only, "this press alone, by its number");
   command->add_flag("--unguarded", options->unguarded, "without the direction guard");

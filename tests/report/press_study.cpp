@@ -5,6 +5,7 @@
 
 #include "haptic/core/error.hpp"
 #include "hw/motion/minimum_jerk.hpp"
+#include "tests/report/analysis/vibration.hpp"
 #include "tests/report/best_force.hpp"
 #include "tests/report/finger_press.hpp"
 #include "tests/support/link/random.hpp"
@@ -179,6 +180,9 @@ PressFigures run(const RandomPress& press, const PressRun& with,
                  const std::function<void(const PressStudyTick&)>& observe) {
   hw::FingerPhysics physics({}, finger, degrees(press.start_deg));
   test::PipelineLoop loop(pipeline_for(press, with, finger), client_of(press), kFingerDamping);
+  Sensors sensors(with.noise, *finger, static_cast<std::uint64_t>(press.index) + 1);
+  test::EnergyBook book(kFingerDamping);
+  std::vector<double> forces;
   Judge judge(press, *finger);
   PressFigures figures;
   const auto tick_of = [](double t) { return static_cast<int>(std::lround(t * 1000.0)); };
@@ -188,13 +192,16 @@ PressFigures run(const RandomPress& press, const PressRun& with,
   for (int k = 1; k <= last; ++k) {
     const double t = k * test::PipelineLoop::kTick_s;
     if (with.force && k == tick_of(kEngage_s)) loop.engage();
+    const double l_x = physics.q()[0];
     step_tick(physics, t, hand, loop.tau());
-    const core::TickRecord& record = loop.tick(physics.q());
+    book.add(loop.tau_a(), VecA::Constant(1, physics.q()[0] - l_x), test::PipelineLoop::kTick_s);
+    const core::TickRecord& record = loop.tick(sensors.read(physics.q()));
+    forces.push_back(loop.tau());
     PressStudyTick tick;
     tick.t_s = t - kLeave_s;
     tick.x_deg = {loop.x_probe()[0] / kDegree, loop.x_probe()[1] / kDegree};
     tick.tau_a = record.effort.tau_a[0];
-    tick.given = loop.energy().given_in_all();
+    tick.given = book.given_in_all();
     tick.limiters = record.limiters();
     judge.see(loop, tick);
     const bool engaged = record.life.gain >= 1.0;
@@ -205,9 +212,10 @@ PressFigures run(const RandomPress& press, const PressRun& with,
     if (observe) observe(tick);
   }
   if (with.force) loop.require_engaged();
-  figures.given = loop.energy().given_in_all();
-  figures.most_given = loop.energy().most_given();
-  figures.most_net = loop.energy().most_net();
+  figures.given = book.given_in_all();
+  figures.most_given = book.most_given();
+  figures.most_net = book.most_net();
+  figures.band = band_rms(std::span<const double>(forces).last(512));
   return figures;
 }
 

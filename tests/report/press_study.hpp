@@ -9,6 +9,7 @@
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/report/client_kind.hpp"
+#include "tests/report/sensor_noise.hpp"
 #include "tests/report/values.hpp"
 
 namespace haptic::report {
@@ -60,6 +61,7 @@ struct PressRun {
   bool force{true};
   bool guard{true};
   std::optional<double> tank{};  ///< tank_0, J; absent: no tank
+  SensorNoise noise{SensorNoise::kNone};
 };
 
 struct PressStudyTick {
@@ -78,6 +80,7 @@ struct PressFigures {
   double peak_deg[2]{};        ///< largest
   double end_force{0.0};       ///< N
   double peak_force{0.0};      ///< N, of the magnitude
+  double band{0.0};            ///< N rms, 50 to 500 Hz, of the last 0.5 s
   double given{0.0};           ///< J, at the end
   double most_given{0.0};      ///< J, largest running sum
   double most_net{0.0};        ///< the same less what the device's own damping took

@@ -1,5 +1,5 @@
 /// haptic-report radius: how far the proxy may be from the probe before a method's exact displayed
-/// impedance turns (core/METHOD.md#exact-derivatives), over the valid region of the finger
+/// impedance turns (core/METHOD.md#exact-derivatives), over the workspace of the finger
 /// (core/METHOD.md#finger-linkage).
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,6 @@
 #include "tests/report/command.hpp"
 #include "tests/report/csv.hpp"
 #include "tests/report/values.hpp"
-#include "tests/support/finger_pose.hpp"
 
 namespace haptic::report {
 namespace {
@@ -21,25 +20,15 @@ struct Sample {
   core::VecX x{};
 };
 
-/// The valid region: the box, the sliders and the joints' own range.
-bool in_valid_region(const core::FingerDimensions& d, const core::FingerPose& pose) {
-  return pose.status == core::MapStatus::kOk && pose.c1 > d.slider1_lower &&
-         pose.c1 < d.slider1_upper && pose.c2 > d.slider2_lower && pose.c2 < d.slider2_upper &&
-         pose.q_o1 > -0.3 && pose.q_o1 < 1.75 && pose.q_o2 > -0.3 && pose.q_o2 < 2.0;
-}
-
-/// A grid of steps by steps poses over the box of q, those in the valid region.
-std::vector<Sample> region(int steps) {
-  const core::FingerDimensions& d = chosen_linkage();
+/// A grid of steps by steps poses over the workspace, [0,80] x [0,90] deg, those in reach.
+std::vector<Sample> workspace(const core::Kinematics& finger, int steps) {
   std::vector<Sample> samples;
+  core::VecQ q = core::VecQ::Zero(2);
   for (int i = 0; i < steps; ++i) {
     for (int k = 0; k < steps; ++k) {
-      const double l = d.l_x_lower + (d.l_x_upper - d.l_x_lower) * (i + 0.5) / steps;
-      const double t = d.q_B_lower + (d.q_B_upper - d.q_B_lower) * (k + 0.5) / steps;
-      const core::FingerPose pose = core::finger_pose(d, l, t);
-      if (!in_valid_region(d, pose)) continue;
-      samples.push_back(
-          {(core::VecQ(2) << l, t).finished(), (core::VecX(2) << pose.q_o1, pose.q_o2).finished()});
+      core::VecX x(2);
+      x << 80.0 * kDegree * (i + 0.5) / steps, 90.0 * kDegree * (k + 0.5) / steps;
+      if (finger.inverse(x, q) == core::InverseStatus::kExact) samples.push_back({q, x});
     }
   }
   return samples;
@@ -51,7 +40,7 @@ std::vector<double> radii(const core::Kinematics& finger, const std::vector<Samp
   std::vector<double> result;
   for (const Sample& at : samples) {
     const auto certificate = core::passivity_certificate(kind, finger, at.q, at.x, impedance);
-    if (!certificate) throw core::SceneError("radius: a pose of the valid region has no impedance");
+    if (!certificate) throw core::SceneError("radius: a pose of the workspace has no impedance");
     result.push_back(certificate->radius / kDegree);
   }
   return result;
@@ -87,7 +76,7 @@ void print_map(const core::Kinematics& finger, const std::vector<Sample>& sample
 
 void add_radius(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "radius", "Passivity radius of the linearised method over the valid region, quantiles");
+      "radius", "Passivity radius of the linearised method over the workspace, quantiles");
   command->footer(
       "Within the radius (norm of dx in joint space) the exact d tau_a/dq_a is negative whatever "
       "the direction of dx. Necessary for passivity, not sufficient: see the cycle work of fig4.");
@@ -96,7 +85,7 @@ void add_radius(CLI::App& app) {
     bool all{false}, map{false};
   };
   auto options = std::make_shared<Options>();
-  command->add_option("--grid", options->steps, "poses per DoF of the box (200)")
+  command->add_option("--grid", options->steps, "poses per joint (200)")
       ->check(CLI::Range(2, 5000));
   command->add_flag("--all", options->all, "the standard and the null-space method as well");
   command->add_flag("--map", options->map, "every pose instead: what the plot is made of");
@@ -107,8 +96,8 @@ void add_radius(CLI::App& app) {
                core::RendererKind::kSubspaceLinear};
     }
     const auto finger = core::make_finger_exoskeleton(chosen_linkage());
-    const std::vector<Sample> samples = region(options->steps);
-    if (samples.empty()) throw core::SceneError("radius: the grid has no pose in the valid region");
+    const std::vector<Sample> samples = workspace(*finger, options->steps);
+    if (samples.empty()) throw core::SceneError("radius: the grid has no pose in the workspace");
     (options->map ? print_map : print_quantiles)(*finger, samples, kinds);
   });
 }

@@ -90,13 +90,13 @@ csv=$(report linkage | cut -d, -f1,6)
 near finger_same_sign 100 0
 near finger_sign_change 68.3 0.05
 
-# tests/report/STUDY.md#passivity-radius-finger_sign_change: 1 % 5.5, 5 % 8.0, median 18.0 deg
+# tests/report/STUDY.md#passivity-radius-finger_sign_change: 1 % 5.3, 5 % 7.7, median 19 deg
 # (ranges depend on the grid).
 header "method,quantile_pct,radius_deg,poses" radius --grid 20
 csv=$(report radius | cut -d, -f1-3)
-near subspace_linear,1 5.5 0.2
-near subspace_linear,5 8.0 0.2
-near subspace_linear,50 18.0 0.2
+near subspace_linear,1 5.3 0.1
+near subspace_linear,5 7.7 0.1
+near subspace_linear,50 19.2 0.1
 
 # tests/report/STUDY.md#chosen-presses-finger_sign_change: the end state of each row and the energy
 # put into the finger.

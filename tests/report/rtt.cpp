@@ -20,7 +20,7 @@ constexpr double kClear = 0.9;  // of the force limit
 
 struct Options {
   std::vector<std::string> motions{};
-  std::string object{}, peer{};
+  std::string object{}, peer{}, noise{};
   std::optional<double> round_trip{}, rate{}, lost{};
   bool trace{false};
 };
@@ -41,6 +41,7 @@ std::vector<RttRun> runs(const Options& options) {
     if (peer != RttPeer::kContacts) continue;
     for (const double round_trip : kRoundTrips) all.push_back({peer, round_trip, 60.0, kLoss});
   }
+  for (RttRun& how : all) how.noise = sensor_noise(options.noise);
   return all;
 }
 
@@ -56,7 +57,7 @@ void print_all(const Options& options) {
   row("object", "peer", "round_trip_ms", "rate_hz", "loss_pct", "peak_n", "error_n", "error_pct",
       "largest_n", "energy_mj", "drag_n", "onset_ticks", "held_back_pct", "bounded_pct",
       "bound_holds_pct", "bound_median_n", "error_median_n", "ideal_mj", "contacts",
-      "contact_ticks", "samples_per_s", "ended");
+      "contact_ticks", "samples_per_s", "ended", "band_mn");
   for (const RttScene& scene : all) {
     const RttFigures local = run(scene, {.rate_hz = 1000.0});
     if (local.shadow.peak >= kClear * scene.pipeline.scene.force_limit[0]) {
@@ -74,7 +75,7 @@ void print_all(const Options& options) {
           kMilli * (f.most_net - local.most_net), f.shadow.drag, f.shadow.onset,
           100.0 * f.shadow.held_back, 100.0 * f.bound.bounded, known(100.0 * f.bound.kept),
           known(f.bound.bound_median), known(f.bound.error_median), kMilli * f.ideal_net,
-          f.shadow.contacts, f.shadow.ticks, f.samples_hz, f.ended ? 1 : 0);
+          f.shadow.contacts, f.shadow.ticks, f.samples_hz, f.ended ? 1 : 0, kMilli * f.band);
     }
     std::fflush(stdout);
   }
@@ -116,6 +117,7 @@ void add_rtt(CLI::App& app) {
       ->check(CLI::Range(0.0, 400.0));
   command->add_option("--rate", o->rate, "of the client, Hz (a choice)")
       ->check(CLI::Range(30.0, 1000.0));
+  add_noise(*command, o->noise, "of the sensors (none)");
   command->add_option("--lost", o->lost, "samples that are lost, % (0)")
       ->check(CLI::Range(0.0, 50.0));
   command->add_flag("--trace", o->trace, "the first actuator's force, tick by tick");

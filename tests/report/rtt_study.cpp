@@ -6,6 +6,7 @@
 
 #include "haptic/client/estimator.hpp"
 #include "haptic/core/error.hpp"
+#include "tests/report/analysis/vibration.hpp"
 #include "tests/support/loop/local_laws.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
 #include "tests/support/plane_set.hpp"
@@ -128,6 +129,8 @@ RttFigures run(const RttScene& scene, const RttRun& how,
                             scene.device_damping);
   const std::unique_ptr<RttBody> body = scene.body();
   const core::DofLayout& layout = scene.pipeline.kinematics->layout();
+  Sensors sensors(how.noise, *scene.pipeline.kinematics, 1);
+  std::vector<double> offs;
   TimeDomainPassivity damper(scene.most_damping);
   test::EnergyBook book(scene.device_damping);
   ShadowJudge judge, bound;
@@ -146,7 +149,7 @@ RttFigures run(const RttScene& scene, const RttRun& how,
     const core::VecA way = layout.select(body->q()) - q_a;
     q_a += way;
     book.add(tau, way, test::PipelineLoop::kTick_s);
-    const core::TickRecord& record = felt.tick(body->q());
+    const core::TickRecord& record = felt.tick(sensors.read(body->q()));
     const core::TickRecord& ideal = shadow.tick(body->q());
     const core::VecA control =
         how.peer == RttPeer::kTdpa ? damper.step(tau, way) : core::VecA::Zero(layout.n_a());
@@ -164,6 +167,7 @@ RttFigures run(const RttScene& scene, const RttRun& how,
                     .held_back = record.limiters().has(core::Limiter::kEnergyTank),
                     .clearance = object->clearance(t, felt.x_probe())};
     judge.add(tick);
+    offs.push_back(tau[0] - shadow.tau());
     // The elastic force is compared, before tank and guard of the shadow's pipeline.
     tick.felt = record.effort.tau_elastic;
     tick.shadow = record.life.gain * scene.pipeline.scene.stiffness.cwiseProduct(
@@ -175,6 +179,7 @@ RttFigures run(const RttScene& scene, const RttRun& how,
   figures.shadow = judge.figures();
   figures.bound = bound.figures();
   figures.most_net = book.most_net();
+  figures.band = run_band_rms(offs);
   figures.ideal_net = shadow.energy().most_net();
   figures.samples_hz = static_cast<double>(samples) / scene.seconds;
   if (holds_force(how.peer)) {

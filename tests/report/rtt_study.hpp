@@ -11,6 +11,7 @@
 #include "haptic/core/tick/pipeline.hpp"
 #include "tests/report/analysis/shadow_judge.hpp"
 #include "tests/report/rtt_object.hpp"
+#include "tests/report/sensor_noise.hpp"
 #include "tests/report/values.hpp"
 
 namespace haptic::report {
@@ -61,6 +62,7 @@ struct RttRun {
   double round_trip_s{0.0};
   double rate_hz{60.0};  ///< 1000: every tick, without jitter; else jitter 30 % of the period
   double lost{0.0};
+  SensorNoise noise{SensorNoise::kNone};  ///< of what is felt, not of the shadow
 };
 
 struct RttTick {
@@ -74,6 +76,7 @@ struct RttFigures {
   double ideal_net{0.0};   ///< J, most_net of the shadow along the same motion
   double most_net{0.0};    ///< J, largest over time that was given beyond the device's damping
   double samples_hz{0.0};  ///< that came
+  double band{0.0};        ///< N rms between 50 and 500 Hz, of what is felt less the shadow
   bool ended{false};       ///< force ended before the motion did
 };
 

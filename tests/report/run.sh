@@ -6,7 +6,7 @@
 #   tests/report/run.sh bits [--help]   is no figure: bits/run.sh
 #
 #   part           linkage fig4 recordings scan radius claims finger press
-#                  closed_loop rate felt feel rtt scaling work_precision; default: all
+#                  closed_loop rate feel felt rtt scaling work_precision; default: all
 #   --output DIR   default: report/ beside the README (ignored by git)
 #   --build DIR    uses haptic-report of this build folder; neither installs nor builds
 #
@@ -30,8 +30,8 @@ while (($#)); do
   esac
 done
 ((${#parts[@]})) ||
-  parts=(linkage fig4 recordings scan radius claims finger press closed_loop rate felt
-    feel rtt scaling work_precision)
+  parts=(linkage fig4 recordings scan radius claims finger press closed_loop rate feel
+    felt rtt scaling work_precision)
 
 if [[ -z $programs ]]; then
   sh "$root/docker/install-deps.sh" build test report
@@ -255,7 +255,9 @@ guard_tank_net_mj guard_tank_net_reversed_mj"
 # rate_NAME.csv
 rate_table() {
   pivot rate "rate_$2" 'NR > 1 && ($3 == 0 || $3 == 20 || $3 == 100)' '$2 OFS $3' \
-    "put(\$1 (\$4 == \"tank\" ? \"_with_tank\" : \"\"), int(\$$1 + 0.5))" "rate_hz delay_ms" \
+    "k = 10 ^ (length(int(\$$1)) - 2)
+    put(\$1 (\$4 == \"tank\" ? \"_with_tank\" : \"\"), int(\$$1 / k + 0.5) * k)" \
+    "rate_hz delay_ms" \
     "held_force held extrapolated planes derived_planes held_with_tank planes_with_tank \
 derived_planes_with_tank"
 }
@@ -282,30 +284,22 @@ make_felt() {
   local linkage=finger_same_sign file motions=()  # the scenes' linkage
   while read -r file; do motions+=(--motion "$file"); done < <(recorded_motions)
   csv felt felt "${motions[@]}"
-  # Per client's rate and delay the rows that no other row beats in cost and error.
-  awk -F, -v OFS=, '
-    NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; print "figure", $0
-      figures = split("error error_all_ticks over_best", figure, " "); next }
-    $at["of"] == "all" { line[++n] = $0; place[n] = $at["rate_hz"] OFS $at["delay_ms"]
-      ns[n] = $at["tick_ns"]
-      for (f = 1; f <= figures; f++) pct[f, n] = $at[figure[f] "_pct"] }
-    function beaten(f, a,   b) {
-      for (b = 1; b <= n; b++) if (place[b] == place[a] && ns[b] < ns[a] &&
-        pct[f, b] <= pct[f, a]) return 1
-      return 0
-    }
-    END { for (a = 1; a <= n; a++) for (f = 1; f <= figures; f++)
-      if (!beaten(f, a)) print figure[f], line[a] }' \
-    "$output/felt.csv" >"$output/felt_front.csv"
-  draw felt felt "csv='$output/felt.csv'; fronts='$output/felt_front.csv'"
-  # Two networks of all, and every network of one renderer.
-  awk -F, 'NR == 1 || ($5 == "all" && (($3 == 60 && $4 == 20) || ($3 == 1000 && $4 == 0)))' \
-    "$output/felt.csv" >"$output/felt_two.csv"
-  awk -F, 'NR == 1 || ($5 == "all" && $1 == "subspace_linear")' "$output/felt.csv" \
+  # Per contact: every tick's error by kind of proxy and delay, a column per rate.
+  pivot felt felt_grid '$5 == "all" && $1 == "per_contact"' '$2 OFS $4' 'put($3, $18)' \
+    "proxy delay_ms" "1000 200 60 30"
+  # All renderers on one network, every network of one renderer, and its motions and objects.
+  awk -F, 'NR == 1 || ($5 == "all" && $3 == 60 && $4 == 20)' "$output/felt.csv" \
+    >"$output/felt_renderers.csv"
+  awk -F, 'NR == 1 || ($5 == "all" && $1 == "per_contact")' "$output/felt.csv" \
     >"$output/felt_networks.csv"
-  awk -F, 'NR == 1 || ($5 != "all" && $1 == "subspace_linear" && $3 == 60 && $4 == 20)' \
+  awk -F, 'NR == 1 || ($5 != "all" && $1 == "per_contact" && $3 == 60 && $4 == 20)' \
     "$output/felt.csv" >"$output/felt_of.csv"
+  # The vibration by client, if the part feel was made before.
+  [[ -s $output/feel.csv ]] || echo "noise,drive,method,group,weighted_95" >"$output/feel.csv"
+  draw felt felt "csv='$output/felt_grid.csv'; ticks='$output/felt_renderers.csv';
+    feel='$output/feel.csv'"
 }
+
 make_feel() {
   local linkage=finger_same_sign rough="--noise 5um_0.05deg" worst run  # the scenes' linkage
   csv feel feel

@@ -1,6 +1,7 @@
 #pragma once
 /// Sensors of a device between the physics and the pipeline: noise and resolution of each DoF.
 
+#include <CLI/CLI.hpp>
 #include <array>
 #include <string>
 #include <string_view>
@@ -30,6 +31,13 @@ inline constexpr std::array<SensorNoise, 5> kSensorNoises{
 }
 /// The one of that name, or none.
 [[nodiscard]] SensorNoise sensor_noise(const std::string& name) noexcept;
+
+/// --noise.
+inline void add_noise(CLI::App& command, std::string& to, const std::string& help) {
+  std::vector<std::string> names;
+  for (const SensorNoise noise : kSensorNoises) names.emplace_back(name(noise));
+  command.add_option("--noise", to, help)->check(CLI::IsMember(names));
+}
 
 class Sensors {
  public:

@@ -60,4 +60,16 @@ double band_rms(std::span<const double> samples, const std::function<double(doub
   return std::sqrt(sum / (power * static_cast<double>(n)));
 }
 
+double run_band_rms(std::span<const double> samples) {
+  constexpr std::size_t kSegment = 256;
+  double sum = 0.0;
+  int segments = 0;
+  for (std::size_t from = 0; from + kSegment <= samples.size(); from += kSegment / 2) {
+    const double one = band_rms(samples.subspan(from, kSegment));
+    sum += one * one;
+    ++segments;
+  }
+  return segments > 0 ? std::sqrt(sum / segments) : 0.0;
+}
+
 }  // namespace haptic::report

@@ -30,4 +30,7 @@ inline constexpr double kLowest_hz = 50.0, kHighest_hz = 500.0;
     std::span<const double> samples,
     const std::function<double(double hz)>& weight = [](double) { return 1.0; });
 
+/// The same over all of a run, in segments of 256 samples half over each other; 0 if it is shorter.
+[[nodiscard]] double run_band_rms(std::span<const double> samples);
+
 }  // namespace haptic::report

@@ -17,7 +17,7 @@ std::vector<double> sine(double amplitude, double hz) {
   return samples;
 }
 
-TEST(Vibration, SineHasItsRmsInTheBand) {
+TEST(Vibration, SineHasItsRmsInBand) {
   for (const double hz : {80.0, 201.3, 450.0}) {
     EXPECT_NEAR(band_rms(sine(0.02, hz)), 0.02 / std::numbers::sqrt2, 1e-4) << hz;
   }

@@ -10,7 +10,7 @@ do for [format in "svg png"] {
   eval begin(format, 1700, 620)
   set multiplot layout 2,5 title heading offset 0,-0.3 \
     margins screen 0.04, screen 0.99, screen 0.1, screen 0.88 spacing screen 0.025, screen 0.12
-  set key top left
+  set key center center reverse Left
   do for [run = 1:words(runs)] {
     set title kind(run)." ".number(run)
     set ylabel ((run - 1) % 5 == 0 ? "force / N" : "") offset 1,0

@@ -1,56 +1,80 @@
-# Felt torque against CPU per tick. csv: haptic-report felt; fronts: its rows that no other row of
-# the same client's rate and delay beats in both, with the figure's name in front.
+# Speed against error, in what a person notices: error of the felt torque by the client's delay,
+# rate and kind of proxy, with published thresholds; what a tick costs; vibration in motion.
+# csv: felt_grid.csv (kind of proxy, delay, error by rate); ticks: felt_two.csv; feel: feel.csv.
 load "style.gp"
 
-palette = "#8a8f98 #8e5bb5 #1f6fb4 #2a9d5c #d9660a #c8283c #101010 #e8a13a"
-renderers = system("awk -F, 'NR > 1 && !seen[$1]++ { print $1 }' '".csv."'")
-proxies = system("awk -F, 'NR > 1 && !seen[$2]++ { print $2 }' '".csv."'")
-symbols = "7 5 9 13 11 15"
-symbol(k) = int(word(symbols, k))
-rates = "1000 200 60 30"; delays = "0 20 20 100"
-figures = "error error_all_ticks over_best"; least = 0.01  # %, for what is exactly 0
-here(c) = strcol("of") eq "all" && column("rate_hz") == word(rates, c) + 0 \
-  && column("delay_ms") == word(delays, c) + 0
-of_both(c, i, k, v) = here(c) && strcol("method") eq word(renderers, i) \
-  && strcol("proxy") eq word(proxies, k) ? v : NaN
+kinds = "held derived_planes planes contacts"
+kind_names = "'held proxy' 'planes that the library derives in contact' " \
+  . "'planes, sent before contact' 'contacts, with their curvature'"
+kind_hues = "#d9660a #8e5bb5 #1f6fb4 #2a9d5c"
+least = 0.3  # %, for what is less
 shown(v) = v > least ? v : least
+rows_of(i) = sprintf("< awk -F, 'NR == 1 || $1 == \"%s\"' '%s'", word(kinds, i), csv)
+tick_of(i, v) = strcol("proxy") eq word(kinds, i) && strcol("method") eq "per_contact" \
+  && column("rate_hz") == 60 ? v : NaN
+clients = "held_late planes_late"
+feel_hues = "#d9660a #1f6fb4"
+weighted_of(i, v) = strcol("noise") eq "scene" && strcol("method") eq "per_contact" \
+  && strcol("drive") eq "ideal" && strcol("group") eq "motion_".word(clients, i) ? v : NaN
 
-do for [kind in "svg png"] {
-  eval begin(kind, 1500, 1200)
-  set multiplot layout 3,4 rowsfirst title \
-    "Felt torque against the cost of a tick (rings: no other is both cheaper and nearer)" \
-    margins screen 0.055, screen 0.985, screen 0.115, screen 0.94 spacing screen 0.03, screen 0.07
-  do for [i = 1:words(renderers)] {
-    set label 30 + i "━━ ".word(renderers, i) noenhanced \
-      at screen 0.04 + (i - 1) * 0.16, screen 0.045 textcolor rgb word(palette, i)
-  }
-  do for [k = 1:words(proxies)] {
-    set label 40 + k "    ".word(proxies, k) noenhanced \
-      at screen 0.04 + (k - 1) * 0.16, screen 0.02 point pt symbol(k) ps 1.3 lc rgb dark
-  }
+do for [format in "svg png"] {
+  eval begin(format, 1180, 540)
+  set multiplot
+  set lmargin at screen 0.065; set rmargin at screen 0.70
+  set bmargin at screen 0.12; set tmargin at screen 0.91
+  set title "How far is the felt torque off, and would a person notice?"
   set logscale y
-  set yrange [least * 0.7:1000]
-  set xrange [*:*]
-  set offsets graph 0.08, graph 0.08, 0, 0
-  set xtics 100
-  do for [row = 1:3] {
-    figure = word(figures, row)
-    do for [c = 1:4] {
-      set title (row == 1 ? word(rates, c)." Hz, ".word(delays, c)." ms" : "")
-      set xlabel (row == 3 ? "CPU per tick / ns" : "")
-      set ylabel (c > 1 ? "" : row == 1 ? "rms error / %" \
-        : row == 2 ? "the same, limiter ticks too / %" \
-        : "rms error over the device's best / %") offset 0.5,0
-      plot for [i = 1:words(renderers)] for [k = 1:words(proxies)] csv using \
-        "tick_ns":(of_both(c, i, k, shown(column(figure."_pct")))): \
-        "tick_lower_ns":"tick_upper_ns":(shown(column(figure."_lower_pct"))): \
-        (shown(column(figure."_upper_pct"))) with xyerrorbars lc rgb word(palette, i) lw 1.2 \
-        pt symbol(k) ps 1.1, \
-        fronts using "tick_ns":(here(c) && strcol("figure") eq figure \
-          ? shown(column(figure."_pct")) : NaN) with points pt 6 ps 2.4 lw 1.5 lc rgb dark
-      do for [i = 31:46] { unset label i }
-    }
-  }
+  set yrange [least:150]
+  set xrange [-2:102]
+  set format y "%g"
+  set ytics (0.3, 1, 3, 10, 30, 100)
+  set xlabel "delay from the device to the sample's arrival / ms" offset 0,0.4
+  set ylabel "rms error of the felt torque, every tick / %" offset 0.5,0
+  set key top left reverse Left
+  set object 1 rectangle from graph 0, first least to graph 1, first 7 fillcolor rgb "#eef6ee" \
+    fillstyle solid noborder behind
+  set label 1 "not noticed (predicted, no people took part)" at graph 0.985, first 0.36 right \
+    textcolor rgb "#2a7a4c"
+  set label 2 "force, 7 % (Pang, Tan, Durlach 1991)" at first 24, first 6.2 left \
+    textcolor rgb dark
+  set label 3 "stiffness, 8 % (Tan et al. 1995)" at first 24, first 9.3 left \
+    textcolor rgb dark
+  set label 4 "stiffness, 22 %, if the way varies (Tan et al. 1995)" \
+    at graph 0.985, first 25 right textcolor rgb dark
+  plot for [i = 1:4] rows_of(i) using "delay_ms":(shown(column("1000"))):(shown(column("30"))) \
+      with filledcurves lc rgb word(kind_hues, i) fillstyle transparent solid 0.13, \
+    for [level in "7 8 22"] (level + 0.0) with lines lc rgb dark dashtype 2 lw 1, \
+    for [i = 1:4] rows_of(i) using "delay_ms":(shown(column("60"))) with linespoints \
+      lc rgb word(kind_hues, i) lw 2.5 pt 7 ps 0.7 \
+      title word(kind_names, i).(i == 1 ? " (line: 60 Hz, band: 30 Hz to 1 kHz)" : "")
+  unset object 1
+  do for [i = 1:4] { unset label i }
+  unset logscale y
+  unset key
+  set style fill solid 0.8
+  set boxwidth 0.6
+  unset xlabel
+  set lmargin at screen 0.78; set rmargin at screen 0.985
+  set bmargin at screen 0.6; set tmargin at screen 0.91
+  set title "CPU per tick / us"
+  unset ylabel
+  set xrange [0.4:4.6]
+  set yrange [0:*]
+  set ytics auto
+  set xtics ("held" 1, "derived" 2, "planes" 3, "contacts" 4)
+  plot for [i = 1:4] ticks using (i):(tick_of(i, column("tick_ns") / 1000)) with boxes \
+    lc rgb word(kind_hues, i)
+  set bmargin at screen 0.12; set tmargin at screen 0.43
+  set title "vibration / threshold (Bolanowski 1988)"
+  set xlabel "60 Hz, 20 ms, 95 % of motions" offset 0,0.4
+  set xrange [0.4:2.6]
+  set yrange [0:*]
+  set xtics ("held" 1, "planes" 2)
+  set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead dashtype 2 lc rgb dark front
+  plot for [i = 1:2] feel using (i):(weighted_of(i, column("weighted_95"))) with boxes \
+    lc rgb word(feel_hues, i)
+  unset arrow 1
   unset multiplot
+  set xtics auto
   unset output
 }

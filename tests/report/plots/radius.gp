@@ -1,4 +1,4 @@
-# The passivity radius over the valid region. csv: haptic-report radius --all --map.
+# The passivity radius over the workspace. csv: haptic-report radius --all --map.
 load "style.gp"
 
 do for [kind in "svg png"] {

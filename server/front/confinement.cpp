@@ -137,15 +137,11 @@ const char* const kServing[] = {"accept4",
                                 "sched_getparam",
                                 "sched_getscheduler",
                                 "sched_yield",
-                                "sendmsg",
-                                "sendto",
                                 "set_robust_list",
                                 "shutdown",
                                 "sigaltstack",
                                 "socket",
                                 "sysinfo",
-                                "timerfd_create",
-                                "timerfd_settime",
                                 "uname",
                                 "write",
                                 "writev"};
@@ -164,12 +160,18 @@ void allow_by_argument(Filter& filter) {
     allow("futex", masked(1, kInt & FUTEX_CMD_MASK, static_cast<scmp_datum_t>(wait_or_wake)));
   }
   // Memory of its own, counted by RLIMIT_DATA. No advice makes holes into what is shared.
-  allow("mmap", masked(2, PROT_EXEC, 0), masked(3, MAP_TYPE, MAP_PRIVATE));
+  // A mapping that grows down counts as a stack, and huge pages are the host's.
+  allow("mmap", masked(2, PROT_EXEC, 0),
+        masked(3, MAP_TYPE | MAP_GROWSDOWN | MAP_HUGETLB, MAP_PRIVATE));
   allow("mprotect", masked(2, PROT_EXEC, 0));
   for (const int advice :
        {MADV_DONTNEED, MADV_FREE, MADV_HUGEPAGE, MADV_NOHUGEPAGE, MADV_DONTDUMP}) {
     allow("madvise", is(2, static_cast<scmp_datum_t>(advice)));
   }
+  // A listener that was shut down could connect by it; and what is not finished waits in the socket
+  // for the next front's.
+  allow("sendto", masked(3, MSG_FASTOPEN | MSG_MORE, 0));
+  allow("sendmsg", masked(2, MSG_FASTOPEN | MSG_MORE, 0));
   for (const unsigned command : {F_GETFL, F_GETFD, F_SETFD, F_DUPFD_CLOEXEC}) {
     allow("fcntl", is(1, command));
   }
@@ -217,6 +219,9 @@ void refuse_quietly(Filter& filter) {
   filter.add(SCMP_ACT_ERRNO(ENOSYS), "clone3", {});
   filter.add(kRefused, "socket", {});  // gRPC asks what sockets can do
   filter.add(kRefused, "openat", {});  // glibc counts processors, and then does so in another way
+  // Asio does without. Many that end at once, each watched by many epolls, keep a processor from
+  // everything else for as long as the wake-ups take.
+  filter.add(kRefused, "timerfd_create", {});
   filter.add(kRefused, "ioctl", {masked(1, kInt, TCGETS)});  // is standard output a terminal?
 }
 

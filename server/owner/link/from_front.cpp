@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "haptic/wire/printable.hpp"
+
 namespace haptic::server {
 namespace {
 
@@ -42,8 +44,14 @@ void make_harmless(PoseSample& sample, core::TimePoint arrival) noexcept {
   sample.valid_for = validity(sample.valid_for);
 }
 
-bool make_harmless(Request& request, core::TimePoint now) noexcept {
+void make_harmless(StopAhead& stop) {
+  stop.why = wire::printable(stop.why.view());
+}
+
+bool make_harmless(Request& request, core::TimePoint now) {
   if (request.kind > Request::Kind::kCancel) return false;
+  request.text = wire::printable(request.text.view());
+  request.lease.client_name = wire::printable(request.lease.client_name.view());
   request.local = false;
   request.time = now;
   LeaseRequest& lease = request.lease;

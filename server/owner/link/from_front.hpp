@@ -3,6 +3,7 @@
 /// It may do no more than the most privileged client, and its times lie in the past.
 
 #include "server/crossing/crossing.hpp"
+#include "server/crossing/sample_socket.hpp"
 
 namespace haptic::server {
 
@@ -16,10 +17,13 @@ class ArrivalOrder {
 };
 
 /// Numbers beyond every enum become one within; times become `arrival`, or stay within what the
-/// wire can say. Everything else is checked by the ingress and the tracker.
+/// wire can say; texts become printable: what is no UTF-8 makes a whole message unreadable to
+/// clients, also to those of the fronts that follow. Everything else is checked by the ingress and
+/// the tracker.
 void make_harmless(ProxySample& sample, core::TimePoint arrival) noexcept;
 void make_harmless(PoseSample& sample, core::TimePoint arrival) noexcept;
+void make_harmless(StopAhead& stop);
 /// False: no request that a front may post.
-[[nodiscard]] bool make_harmless(Request& request, core::TimePoint now) noexcept;
+[[nodiscard]] bool make_harmless(Request& request, core::TimePoint now);
 
 }  // namespace haptic::server

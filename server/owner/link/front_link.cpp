@@ -168,11 +168,13 @@ void FrontLink::notices() {
   while (const auto notice = config_.launcher->next()) {
     if (notice->kind == Launcher::Notice::Kind::kHere) continue;
     if (notice->kind == Launcher::Notice::Kind::kStarted) {
-      if (!next_ || next_->pid != 0) continue;
-      next_->pid = notice->pid;
+      // The newest one; a launcher that was late has it serve already.
+      FrontProcess* const front = next_ ? next_.get() : current_.get();
+      if (front == nullptr || front->pid != 0) continue;
+      front->pid = notice->pid;
       alive_[generation_ % 2].store(notice->pid);
       facts_due_ = now_;
-      if (next_->stage == Stage::kKilled) config_.launcher->kill(notice->pid);
+      if (front->stage == Stage::kKilled) config_.launcher->kill(notice->pid);
       continue;
     }
     for (const Place* place : {&current_, &next_}) {
@@ -278,9 +280,12 @@ void FrontLink::clear_away(Place& place) {
     owner_.front_gone();
     publisher_->forget_answers();
   }
-  if (!told) {
+  Listeners& listeners = config_.hand_over->listeners();
+  if (was_current && (!told || (listeners.may_be_copied() && !stopping_.load()))) {
     // It may have done anything to the sockets. At once, because callers wait in the new ones.
-    if (was_current) config_.hand_over->listeners().try_to_open_again();
+    listeners.try_to_open_again();
+  }
+  if (!told) {
     pause_ = lasted ? core::Duration{0}
                     : std::clamp<core::Duration>(2 * pause_, kFirstPause, kLongestPause);
     start_at_ = now_ + pause_;

@@ -48,7 +48,7 @@ bool FrontLog::copy(core::TimePoint now) {
 }
 
 void FrontLog::add(std::string_view bytes) {
-  allowed_ -= static_cast<double>(bytes.size());
+  allowed_ -= static_cast<double>(bytes.size() + kPerLine);
   for (const char c : bytes) {
     if (c != '\n') rest_ += c;
     if (c != '\n' && rest_.size() < kLongestLine) continue;

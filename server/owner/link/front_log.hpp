@@ -12,8 +12,8 @@ namespace haptic::server {
 
 class FrontLog {
  public:
-  /// Copied in a second, with kPerLine for each line, so that short ones count too; what is beyond
-  /// waits in the socket, and then the front waits for it.
+  /// Copied in a second, with kPerLine for each line and each message, so that short ones count
+  /// too; what is beyond waits in the socket, and then the front waits for it.
   static constexpr double kBytesPerSecond = 32 * 1024;
   static constexpr double kAtOnce = 2 * kBytesPerSecond;
   static constexpr std::size_t kPerLine = 64;

@@ -9,6 +9,7 @@
 #include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <sys/syscall.h>
+#include <sys/sysinfo.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -48,6 +49,10 @@ void limit(__rlimit_resource resource, rlim_t most) {
   setrlimit(resource, &both);
 }
 
+/// Threads of a front, which has about 20. The kernel needs 20 KB and more for each, whatever its
+/// stack is, and counts them with all of the user's: those of the host are no fewer.
+constexpr rlim_t kThreads = 512;
+
 /// Takes real-time rights and memory away. Only what the kernel always grants can fail here and in
 /// take_rights_away(), so failures are not looked at: the front looks at its user again.
 void take_means_away(const FrontLimits& limits) {
@@ -72,6 +77,8 @@ void take_means_away(const FrontLimits& limits) {
   }
   if (limits.stack_bytes != 0) limit(RLIMIT_STACK, limits.stack_bytes);
   limit(RLIMIT_NOFILE, 768);
+  struct sysinfo host {};
+  if (sysinfo(&host) == 0) limit(RLIMIT_NPROC, host.procs + kThreads);
   // If memory runs out on this host, the kernel ends the front and not the owner.
   const Descriptor first(open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
   static_cast<void>(::write(first.get(), "1000", 4) == 4);

@@ -24,9 +24,9 @@ Protection check_listen_address(const std::string& address,
 /// Bound and listening, non-blocking. The files of UNIX sockets are removed at the end.
 ///
 /// A front shares them with the owner, and may shut down, connect or filter them for every front
-/// after it. So they are opened again after a front that did not end in order, and if a look at
-/// them shows a change. The new one is bound before the old one is closed: no other user's program
-/// gets the port in between.
+/// after it. So they are opened again after a front that did not end in order or could give away
+/// copies, and if a look at them shows a change. The new one is bound before the old one is closed:
+/// no other user's program gets the port in between.
 class Listeners {
  public:
   /// Binds every address of `scene`. Throws core::TransportError naming the one that is wrong or
@@ -43,6 +43,8 @@ class Listeners {
   /// No front may have the sockets. Opens each again that is not as it was made, and logs it.
   /// Throws core::TransportError if that fails.
   void check();
+  /// A front can pass copies to a user of this host who connects to a UNIX socket.
+  [[nodiscard]] bool may_be_copied() const noexcept { return !files_.empty(); }
   /// Opens all of them again; one that cannot be opened stays for check().
   void try_to_open_again() noexcept;
 

@@ -44,6 +44,7 @@ bool SampleIntake::take_one(FrontProcess& front, const Next& next) {
     case SampleKind::kStopAhead: {
       StopAhead stop;
       if (!take_sample(socket, next.bytes, stop)) return false;
+      make_harmless(stop);
       if (stop.device < owner_.devices().size()) front.stops[stop.device] = stop.why;
       return true;
     }

@@ -174,7 +174,10 @@ const std::vector<Call> kSockets{
     {"a program as filter", SYS_setsockopt, {9, SOL_SOCKET, SO_ATTACH_BPF}},
     {"a filter for good", SYS_setsockopt, {9, SOL_SOCKET, SO_LOCK_FILTER}},
     {"a choice of listener", SYS_setsockopt, {9, SOL_SOCKET, SO_ATTACH_REUSEPORT_CBPF}},
-    {"a close that waits", SYS_setsockopt, {9, SOL_SOCKET, SO_LINGER}}};
+    {"a close that waits", SYS_setsockopt, {9, SOL_SOCKET, SO_LINGER}},
+    {"a datagram that is not finished", SYS_sendto, {9, 0, 0, MSG_MORE}},
+    {"to connect by data", SYS_sendto, {9, 0, 0, MSG_FASTOPEN}},
+    {"to connect by a message", SYS_sendmsg, {9, 0, MSG_FASTOPEN | MSG_NOSIGNAL}}};
 
 const std::vector<Call> kMeans{
     {"membarrier", SYS_membarrier},
@@ -186,6 +189,12 @@ const std::vector<Call> kMeans{
     {"holes in memory", SYS_madvise, {0, 0, MADV_REMOVE}},
     {"shared memory", SYS_mmap, {0, 4096, PROT_READ, MAP_SHARED | MAP_ANONYMOUS}},
     {"a program in memory", SYS_mmap, {0, 4096, PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS}},
+    {"memory counted as a stack",
+     SYS_mmap,
+     {0, 4096, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_GROWSDOWN}},
+    {"the host's huge pages",
+     SYS_mmap,
+     {0, 4096, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_HUGETLB}},
     {"memory made a program", SYS_mprotect, {0, 0, PROT_EXEC}},
     {"shmget", SYS_shmget},
     {"shmat", SYS_shmat},
@@ -209,6 +218,7 @@ const std::vector<Call> kMeans{
     {"seccomp", SYS_seccomp, {SECCOMP_SET_MODE_FILTER}},
     {"landlock_create_ruleset", SYS_landlock_create_ruleset},
     {"timer_create", SYS_timer_create},
+    {"timerfd_create", SYS_timerfd_create},
     {"signalfd4", SYS_signalfd4, {9}},
     {"syslog", SYS_syslog},
     {"clock_settime", SYS_clock_settime}};

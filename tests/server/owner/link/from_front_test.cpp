@@ -4,6 +4,8 @@
 
 #include <cstring>
 
+#include "haptic/wire/utf8.hpp"
+
 namespace haptic::server {
 namespace {
 
@@ -53,8 +55,17 @@ TEST(FromFront, RequestsOfJunkAreNobodys) {
     EXPECT_LE(request.lease.priority, Priority::kOperator);
     EXPECT_LE(request.text.view().size(), 200U);
     EXPECT_LE(request.lease.client_name.view().size(), 64U);
+    EXPECT_TRUE(wire::is_utf8(request.text.view()) &&
+                wire::is_utf8(request.lease.client_name.view()))
+        << "clients could not read what is told of it";
     EXPECT_LE(request.lease.fade_end.value_or(0s), std::chrono::hours(24));
   }
+}
+
+TEST(FromFront, ReasonsCanBeRead) {
+  StopAhead stop{0, "\xff\x1b[31m\nhot"};
+  make_harmless(stop);
+  EXPECT_EQ(stop.why.view(), R"(\xff\x1b[31m\x0ahot)");
 }
 
 TEST(FromFront, HonestRequestsStayAsTheyAre) {

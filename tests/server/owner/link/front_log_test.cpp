@@ -63,6 +63,15 @@ TEST_F(FrontLogTest, AFloodIsBounded) {
   EXPECT_EQ(log_->descriptor(), -1) << "nothing to wake up for";
 }
 
+TEST_F(FrontLogTest, ShortMessagesCount) {
+  int messages = 0;
+  for (int i = 0; i < 100; ++i) {
+    while (say("x")) ++messages;
+    static_cast<void>(logged(TimePoint(1s)));
+  }
+  EXPECT_LT(messages * FrontLog::kPerLine, 2 * FrontLog::kAtOnce) << "they take the thread's time";
+}
+
 TEST_F(FrontLogTest, AClosedEndWakesNobody) {
   front_ = Descriptor();
   EXPECT_EQ(logged(TimePoint(1s)), "");

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/sysinfo.h>
 #include <sys/wait.h>
 
 #include <cerrno>
@@ -121,6 +122,14 @@ TEST(Launcher, FrontsEndWithIt) {
   }
   for (int i = 0; i < 1000 && kill(front, 0) == 0; ++i) usleep(10'000);
   EXPECT_NE(kill(front, 0), 0);
+}
+
+TEST(Launcher, ThreadsOfAFrontAreBounded) {
+  struct sysinfo host {};
+  ASSERT_EQ(sysinfo(&host), 0);
+  const int most = std::atoi(told_by("awk '/Max processes/ {print $3}' /proc/self/limits").c_str());
+  EXPECT_GT(most, 500);
+  EXPECT_LT(most, host.procs + 1500) << "those of the host, and some hundreds";
 }
 
 TEST(Launcher, OnlyFrontsAreKilled) {

@@ -223,17 +223,22 @@ class Way:
 STOP = Way(0.010, 0.010, 0.99)  # from connect to answer of the local control socket
 
 
-def local_stop(daemon, device="spare"):
-    """Stops a device as root does on this host, by the local control socket: seconds from connect
-    to answer. Raises OSError if it was not stopped."""
+def asked_locally(daemon, words):
+    """What the local control socket answers. Raises OSError if it does not."""
     name = f"hapticd/127.0.0.1:{daemon.port}"
     path = f"/run/{name}"  # of a hapticd of root
-    began = time.monotonic()
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as control_socket:
         control_socket.settimeout(2.0)
         control_socket.connect(path if os.path.exists(path) else f"\0{name}")
-        control_socket.send(f"stop {device}\nrow".encode())
-        words = control_socket.recv(512)
+        control_socket.send(words.encode())
+        return control_socket.recv(8192)
+
+
+def local_stop(daemon, device="spare"):
+    """Stops a device as root does on this host, by the local control socket: seconds from connect
+    to answer. Raises OSError if it was not stopped."""
+    began = time.monotonic()
+    words = asked_locally(daemon, f"stop {device}\nrow")
     seconds = time.monotonic() - began
     if words != f"ok\n{device}".encode():
         raise OSError(f"{words!r} after {seconds:.3f} s")

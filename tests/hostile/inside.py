@@ -5,22 +5,21 @@ import contextlib
 import dataclasses
 import os
 import pathlib
-import pty
 import random
 import re
 import select
 import signal
 import time
+import urllib.request
 
-from daemon import (MB, Controller, Daemon, control, data_limit, descendants, fronts_of,
-                    local_stop)
+from daemon import MB, Daemon, asked_locally, control, data_limit, descendants, local_stop
 from faults import until_served
-from judge import TERM_S, judge_ticks, read_record
+from judge import read_record
+from signals import dirty
 
 PROGRAM = os.environ.get("HAPTIC_FRONT_ATTACKER", "haptic-front-attacker")
 PATIENCE_S = 60.0
 USER = 65534  # that runs hapticd in some rows, instead of root
-STOPPED_S = 0.010  # from the answer to a local stop until there is no force
 LOG_RATE = 2 * MB  # per second, of the log on the owner's side
 
 
@@ -74,7 +73,8 @@ def words_of(daemon):
     family = descendants(daemon.pid)
     launcher = next((pid for pid, name in family.items() if name.startswith("hapticd-launch")), 1)
     return {"%owner": daemon.pid, "%launcher": launcher, "%folder": daemon.folder,
-            "%control": " ".join(control_names(daemon))}
+            "%control": " ".join(control_names(daemon)), "%metrics": daemon.metrics,
+            "%port": daemon.port}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Mode:
     name: str
     finding: str
     expected: str
-    command: str  # mode of the attacker, then words
+    command: str  # mode of the attacker, then words; " + " stands between several, in turns
     seconds: float = 2.5
     ends: bool = False  # the front is killed in the end: another must serve
     landlock: int | None = None
@@ -92,10 +92,13 @@ class Mode:
     def __call__(self, daemon):
         attacker = Attacker(daemon)
         before = daemon.log.stat().st_size
-        attacker.tell(*told(self, self.seconds, words_of(daemon)))
-        said = attacker.hear(self.seconds + (0.5 if self.ends else 8.0))
+        said, missing = [], False
+        for command in told(self, self.seconds, words_of(daemon)):
+            attacker.tell(*command)
+            said += attacker.hear(command[1] + (0.5 if self.ends else 8.0))
+            missing = missing or said[-1:] != ["done"]
         wrong = [line for line in said if line.startswith(("GOT IN", "unknown"))]
-        if said[-1:] != ["done"] and not self.ends:
+        if missing and not self.ends:
             wrong.append("the attacker did not end")
         if self.ends:
             kill_fronts(daemon)
@@ -108,9 +111,10 @@ class Mode:
 
 
 def told(mode, seconds, stands_for):
-    """The parts of a command."""
-    name, *words = mode.command.split()
-    return name, seconds, *[stands_for.get(word, word) for word in words]
+    """The parts of each command, which share the time."""
+    commands = [command.split() for command in mode.command.split(" + ")]
+    return [(name, seconds / len(commands), *[stands_for.get(word, word) for word in words])
+            for name, *words in commands]
 
 
 def kill_fronts(daemon):
@@ -139,7 +143,6 @@ def took_no_more(daemon, said):
 
 def clean_log(daemon, said):
     """Lines of the owner keep coming, and none is forged."""
-    from signals import dirty
     found = dirty(daemon.log.read_bytes())
     return [f"in the log: {' '.join(sorted(found))}"] if found else []
 
@@ -161,6 +164,13 @@ def restarts(daemon, said):
     return [] if status == 0 else [f"restart-front: {words[-80:]}"]
 
 
+def every_tick(daemon, said):
+    """The recording lacks none, however busy the front keeps the host."""
+    ticks = read_record(daemon.record)
+    lost = sum(now.seq - before.seq - 1 for before, now in zip(ticks, ticks[1:]))
+    return [f"{lost} ticks are not recorded"] if lost else []
+
+
 def stays_stopped(daemon, said):
     """The spare device, which is stopped all the time: no clear of it was obeyed."""
     time.sleep(0.4)  # what is recorded is written by then
@@ -173,10 +183,51 @@ def stays_stopped(daemon, said):
     return [f"a local stop was cleared: {freed[0]}"] if freed or first == len(states) else []
 
 
+def last_word(daemon, said):
+    """What a front said before its end counts: the finger is stopped. It is cleared for what
+    follows."""
+    time.sleep(0.3)
+    words = asked_locally(daemon, "health").decode()
+    if "device\tfinger\tFAULT" not in words:
+        return [f"the last stop of a front was not obeyed: {words!r}"]
+    _, status, why = control(daemon, "--device", "finger", "clear-fault")
+    return [] if status == 0 else [f"clear-fault: {why}"]
+
+
+def speaks_on(daemon, said):
+    """What a front left behind can be read: lists, events, metrics and health."""
+    from calls import OBSERVER, Session, outcome, service, stub
+    until_served(daemon)
+    calls = stub(daemon)
+    wrong = [f"ListDevices: {what}" for what in
+             [outcome(calls.ListDevices, service.ListDevicesRequest())] if what != "OK"]
+    for device in ("finger", "spare"):
+        session = Session(calls, device=device, role=OBSERVER, events_after_ns=1)
+        if not session.open() or time.sleep(0.2) or session.error:
+            wrong.append(f"events of {device}: {session.error}"[:300])
+        session.end()
+    try:
+        with urllib.request.urlopen(f"http://127.0.0.1:{daemon.metrics}/metrics") as page:
+            for line in page.read().decode().splitlines():
+                if not line.startswith("#"):
+                    float(line.rsplit(" ", 1)[1])
+        words = asked_locally(daemon, "health")
+        wrong += [f"health: {words!r}"] * (dirty(words.replace(b"\t", b"")) != [])
+    except (OSError, ValueError, IndexError) as why:
+        wrong.append(f"metrics, health: {why!r}")
+    return wrong + clean_log(daemon, said)
+
+
+def as_many_threads(daemon, said):
+    """What a front may have: some hundreds."""
+    return [f"{line}: a thousand are too many" for line in said
+            if line.startswith("threads") and int(line.split()[1]) > 25]
+
+
 DENIED = "denied"
 SURVIVED = "owner, stops and force as without; served again within 1 s"
 ALL_CALLS = "calls %owner %launcher %folder %control"
-MEMORY = ("private", "shared", "memfd", "tmpfs", "shmget", "pipes", "sockets")
+MEMORY = ("private", "shared", "memfd", "tmpfs", "shmget", "pipes", "sockets", "growing")
 
 MODES = [
     Mode("calls", "F2 F4 F11", DENIED, ALL_CALLS, 1.0),
@@ -190,7 +241,7 @@ MODES = [
     Mode("blocking", "F1", SURVIVED, "blocking", ends=True),
     Mode("blocking_deaf", "F1", SURVIVED, "blocking deaf", ends=True),
     Mode("pages", "F5", SURVIVED, "pages", 5.0),
-    Mode("futexes", "F5", SURVIVED, "futexes", ends=True),
+    Mode("futexes", "F5", SURVIVED, "mapped", 4.0, ends=True),
     Mode("epolls", "new", SURVIVED, "epolls", 6.0, ends=True, after=unwatched),
     Mode("locks", "F1", SURVIVED, "locks"),
     *[Mode(f"sockets_{how}", "F1", SURVIVED, f"sockets {how}", ends=True, after=untouched)
@@ -212,118 +263,46 @@ MODES = [
     Mode("log_shut", "F1", SURVIVED, "log shut", ends=True),
     *[Mode(f"dies_{how}", "F12", SURVIVED, f"dies {how}", 0.3, ends=True)
       for how in ("exit", "abort", "overflow")],
-    Mode("stops_itself", "F12", "replaced", "dies stop", ends=True),
+    Mode("stops_itself", "F12", "replaced", "dies stop", ends=True, more={"silent": True}),
     Mode("hangs", "F12", "replaced when asked", "dies hang", after=restarts),
+    # The second review: none of these was known before.
+    Mode("threads", "second", "some hundreds", "memory threads", ends=True, after=as_many_threads),
+    Mode("wakes", "second", SURVIVED, "wakes timers + wakes alarms + wakes nests", 6.0),
+    Mode("computes", "second", SURVIVED, "computes spin + computes", 5.0, ends=True,
+         after=every_tick, more={"silent": True}),
+    Mode("limits", "second", SURVIVED, "limits files + limits memory", ends=True),
+    Mode("limits_cpu", "second", SURVIVED, "limits cpu", ends=True),
+    Mode("zombie", "second", SURVIVED, "zombie", ends=True),
+    Mode("closes", "second", "replaced when asked", "closes samples + closes log", after=restarts),
+    Mode("closes_link", "second", "replaced", "closes link", 3.0, ends=True,
+         more={"silent": True}),
+    Mode("reaches", "second", "connects to nothing", "reaches %metrics %port", ends=True),
+    Mode("messages", "second", "refused; force within its limits, and back",
+         "replays + moods + stops + leases", 8.0, after=clean_log),
+    Mode("bits", "second", "force within its limits, all can be read", "bits", 4.0, ends=True,
+         after=speaks_on),
+    Mode("times", "second", "force within its limits, and back", "times", ends=True),
+    Mode("legacy", "second", "all can be read", "beats + texts", ends=True, after=speaks_on),
+    Mode("last_words", "second", "obeyed", "stops last", 0.3, ends=True, after=last_word,
+         more={"causes": ("EMERGENCY_STOP",)}),
+    Mode("words", "second", "clean, and bounded", "words", after=clean_log),
+    Mode("stubborn", "second", "SIGTERM in 5 s", "dies hang", ends=True,
+         more={"term_under": True}),
 ]
 
 
 def several(daemon):
     """Five modes side by side, other ones each time; the front is killed in the end."""
     attacker, stands_for = Attacker(daemon), words_of(daemon)
-    chosen = random.sample([m for m in MODES if m.landlock is None and not m.more.get("user")], 5)
+    chosen = random.sample([m for m in MODES if m.landlock is None and not m.more.get("user") and
+                            not m.more.get("causes")], 5)
     for mode in chosen:
-        attacker.tell(*told(mode, 4.0, stands_for))
-        time.sleep(0.2)
+        for command in told(mode, 4.0, stands_for):
+            attacker.tell(*command)
+            time.sleep(0.2)
     time.sleep(4.0)
     kill_fronts(daemon)
     return {"notes": [" ".join(mode.name for mode in chosen)]}
-
-
-def plays(folder, *commands):
-    """The attacker plays the client that died. That is allowed within the limits; a local stop ends
-    it, whatever else it does, and SIGTERM ends hapticd."""
-    daemon = Daemon(folder, env=environment(folder))
-    controller = Controller(daemon.address)
-    wrong, notes = [], []
-    try:
-        if controller.engaged_within(20.0) is None:
-            return {"wrong": ["no force before the attack"]}
-        time.sleep(0.7)
-        attacker = Attacker(daemon)
-        for command in commands:
-            mode, *words = command.split()
-            attacker.tell(mode, 30.0, *words)
-            time.sleep(0.2)
-        controller.kill()
-        died = time.monotonic()
-        time.sleep(2.0)
-        health = control(daemon, "health")[2]
-        if "warn" not in health.lower():
-            wrong.append(f"hapticctl health does not warn: {health!r}")
-        asked = time.monotonic()
-        try:
-            notes.append(f"stop {1e3 * local_stop(daemon, 'finger'):.1f} ms")
-        except OSError as why:
-            wrong.append(f"local stop: {why}")
-        time.sleep(2.0)
-        took, status = daemon.stop()
-        if took > TERM_S or status != 0:
-            wrong.append(f"SIGTERM: status {status} after {took:.1f} s")
-    finally:
-        controller.kill()
-        daemon.kill()
-    ticks = read_record(daemon.record)
-    force, faults = judge_ticks(ticks, ("EMERGENCY_STOP",))
-    pressed = [t.at * 1e-9 for t in ticks if t.tau and t.at * 1e-9 > died]
-    notes.append(f"force {max(pressed, default=died) - died:.2f} s after the client's death")
-    late = [at for at in pressed if at > asked + STOPPED_S]
-    if late:
-        wrong.append(f"force until {late[-1] - asked:.3f} s after a local stop")
-    return {"wrong": wrong + ([force] if force else []) + faults, "notes": notes}
-
-
-def plays_client(folder):
-    return plays(folder, "pretend alone clears")
-
-
-def plays_client_blocking(folder):
-    return plays(folder, "blocking deaf", "pretend alone clears")
-
-
-def terminal(folder):
-    """hapticd in a terminal, into which the front would type (TIOCSTI)."""
-    keys = pathlib.Path("/proc/sys/dev/tty/legacy_tiocsti")
-    if keys.exists() and keys.read_text().strip() == "0":
-        return {"notes": ["not on this host: dev.tty.legacy_tiocsti is 0"]}
-    here, there = pty.openpty()
-    daemon = Daemon(folder, env=environment(folder), record=False, stdin=there, stdout=there,
-                    stderr=there, prefix=("setsid", "--ctty"))
-    try:
-        answer = MODES[0](daemon)
-    finally:
-        daemon.stop()
-    os.set_blocking(there, False)
-    with contextlib.suppress(OSError):
-        answer["wrong"].append(f"typed {os.read(there, 100)!r}")
-    os.close(here)
-    os.close(there)
-    return answer
-
-
-def launcher_stopped(folder):
-    """The launcher stands still, then the front dies: stops and SIGTERM go on, and it is said."""
-    daemon = Daemon(folder, record=False)
-    launcher = words_of(daemon)["%launcher"]
-    wrong = []
-    try:
-        os.kill(launcher, signal.SIGSTOP)
-        for pid in fronts_of(daemon.pid):
-            os.kill(pid, signal.SIGKILL)
-        time.sleep(4.0)
-        if "launcher" not in daemon.text():
-            wrong.append("the log does not name the launcher")
-        try:
-            local_stop(daemon)
-        except OSError as why:
-            wrong.append(f"local stop: {why}")
-        took, status = daemon.stop()
-        if took > TERM_S:
-            wrong.append(f"SIGTERM took {took:.1f} s, status {status}")
-    finally:
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(launcher, signal.SIGKILL)
-        daemon.kill()
-    return {"wrong": wrong}
 
 
 def without_times(folder, mode, user=None):
@@ -348,10 +327,3 @@ def without_times(folder, mode, user=None):
         return wrong, "; ".join(answer["notes"]), daemon.text()
     finally:
         daemon.kill()
-
-
-ALONE = [("plays_client", "F1", "within limits; a local stop ends it", plays_client),
-         ("plays_client_blocking", "F1", "within limits; a local stop ends it",
-          plays_client_blocking),
-         ("terminal", "F3", "nothing is typed", terminal),
-         ("launcher_stopped", "F12", "said; stops and SIGTERM as always", launcher_stopped)]

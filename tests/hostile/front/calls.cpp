@@ -2,7 +2,11 @@
 
 #include <fcntl.h>
 #include <linux/capability.h>
+#include <linux/fs.h>
+#include <linux/futex.h>
+#include <linux/sockios.h>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sched.h>
 #include <seccomp.h>
 #include <sys/ioctl.h>
@@ -275,6 +279,118 @@ Calls on_files(const std::string& folder) {
   return all;
 }
 
+#define HAPTIC_NAMED(name)           \
+  std::pair {                        \
+#name, static_cast < long>(name) \
+  }
+constexpr int kNone = kOwn - 1;  ///< no descriptor: EBADF shows that the kernel looked
+constexpr long kHighBit = 1L << 32U;
+
+/// Calls that are allowed with other arguments than these.
+Calls on_arguments() {
+  Calls all;
+  const auto each = [&all](long call_number, long first,
+                           std::vector<std::pair<const char*, long>> of, auto... rest) {
+    for (const auto& [name, value] : of)
+      all.push_back(call(name, call_number, first, value, rest...));
+  };
+  each(SYS_futex, 0,
+       {HAPTIC_NAMED(FUTEX_REQUEUE), HAPTIC_NAMED(FUTEX_CMP_REQUEUE), HAPTIC_NAMED(FUTEX_WAKE_OP),
+        HAPTIC_NAMED(FUTEX_LOCK_PI), HAPTIC_NAMED(FUTEX_UNLOCK_PI), HAPTIC_NAMED(FUTEX_TRYLOCK_PI),
+        HAPTIC_NAMED(FUTEX_WAIT_REQUEUE_PI), HAPTIC_NAMED(FUTEX_CMP_REQUEUE_PI),
+        HAPTIC_NAMED(FUTEX_LOCK_PI2), HAPTIC_NAMED(FUTEX_LOCK_PI_PRIVATE),
+        HAPTIC_NAMED(FUTEX_LOCK_PI | kHighBit)},
+       0, 0, 0, 0);
+  each(SYS_fcntl, kNone,
+       {HAPTIC_NAMED(F_SETLKW), HAPTIC_NAMED(F_OFD_SETLKW), HAPTIC_NAMED(F_ADD_SEALS),
+        HAPTIC_NAMED(F_GETOWN), HAPTIC_NAMED(F_SET_RW_HINT), HAPTIC_NAMED(F_DUPFD),
+        HAPTIC_NAMED(F_SETOWN | kHighBit), HAPTIC_NAMED(F_DUPFD_CLOEXEC | kHighBit)},
+       1L);
+  each(SYS_ioctl, kNone,
+       {HAPTIC_NAMED(FIOCLEX),
+        HAPTIC_NAMED(FIOQSIZE),
+        HAPTIC_NAMED(FICLONE),
+        HAPTIC_NAMED(FIBMAP),
+        HAPTIC_NAMED(SIOCGIFCONF),
+        HAPTIC_NAMED(SIOCATMARK),
+        {"SIOCUNIXFILE", 0x89E0},
+        HAPTIC_NAMED(TIOCGPTPEER),
+        HAPTIC_NAMED(TIOCSETD),
+        HAPTIC_NAMED(TIOCSTI | kHighBit)},
+       0L);
+  each(SYS_setsockopt, kNone, {HAPTIC_NAMED(SOL_TLS), {"SOL_UDP", 17}}, 1L, 0L, 0L);
+  for (const auto& [name, option] :
+       {HAPTIC_NAMED(SO_BUSY_POLL), HAPTIC_NAMED(SO_PREFER_BUSY_POLL), HAPTIC_NAMED(SO_PEEK_OFF),
+        HAPTIC_NAMED(SO_PASSCRED), HAPTIC_NAMED(SO_INCOMING_CPU), HAPTIC_NAMED(SO_RCVBUFFORCE),
+        HAPTIC_NAMED(SO_SNDBUF), HAPTIC_NAMED(SO_ZEROCOPY), HAPTIC_NAMED(SO_TXTIME),
+        HAPTIC_NAMED(SO_MARK), HAPTIC_NAMED(SO_BROADCAST), HAPTIC_NAMED(SO_BINDTODEVICE),
+        HAPTIC_NAMED(SO_RCVBUF | kHighBit)}) {
+    all.push_back(call(name, SYS_setsockopt, kNone, SOL_SOCKET, option, 0, 0));
+  }
+  for (const auto& [name, option] :
+       {HAPTIC_NAMED(TCP_REPAIR), HAPTIC_NAMED(TCP_ULP), HAPTIC_NAMED(TCP_CONGESTION),
+        HAPTIC_NAMED(TCP_FASTOPEN), HAPTIC_NAMED(TCP_FASTOPEN_CONNECT), HAPTIC_NAMED(TCP_CORK),
+        HAPTIC_NAMED(TCP_MD5SIG), HAPTIC_NAMED(TCP_QUEUE_SEQ), HAPTIC_NAMED(TCP_LINGER2)}) {
+    all.push_back(call(name, SYS_setsockopt, kNone, IPPROTO_TCP, option, 0, 0));
+    all.push_back(
+        call(std::string("its ") + name, SYS_getsockopt, kNone, IPPROTO_TCP, option, 0, 0));
+  }
+  for (const auto& [name, option] :
+       {HAPTIC_NAMED(IP_OPTIONS), HAPTIC_NAMED(IP_TRANSPARENT), HAPTIC_NAMED(IP_ADD_MEMBERSHIP)}) {
+    all.push_back(call(name, SYS_setsockopt, kNone, IPPROTO_IP, option, 0, 0));
+  }
+  constexpr long kPeersPidfd = 77, kMapsMemory = 35;  // TCP_ZEROCOPY_RECEIVE
+  all.push_back(call("SO_PEERPIDFD", SYS_getsockopt, kLink, SOL_SOCKET, kPeersPidfd, 0, 0));
+  all.push_back(call("maps packets", SYS_getsockopt, kNone, IPPROTO_TCP, kMapsMemory, 0, 0));
+  for (const auto& [name, option] :
+       {HAPTIC_NAMED(PR_SET_MM), HAPTIC_NAMED(PR_SET_TIMERSLACK), HAPTIC_NAMED(PR_SET_SECCOMP),
+        HAPTIC_NAMED(PR_SCHED_CORE), HAPTIC_NAMED(PR_SET_CHILD_SUBREAPER),
+        HAPTIC_NAMED(PR_SET_IO_FLUSHER), HAPTIC_NAMED(PR_SET_SYSCALL_USER_DISPATCH),
+        HAPTIC_NAMED(PR_CAP_AMBIENT), HAPTIC_NAMED(PR_SET_SPECULATION_CTRL),
+        HAPTIC_NAMED(PR_MCE_KILL), HAPTIC_NAMED(PR_SET_NAME | kHighBit)}) {
+    all.push_back(call(name, SYS_prctl, option, 0, 0, 0, 0));
+  }
+  for (const auto& [name, advice] :
+       {HAPTIC_NAMED(MADV_HWPOISON), std::pair{"MADV_SOFT_OFFLINE", 101L},
+        HAPTIC_NAMED(MADV_MERGEABLE), HAPTIC_NAMED(MADV_POPULATE_WRITE), HAPTIC_NAMED(MADV_COLD),
+        std::pair{"MADV_COLLAPSE", 25L}}) {
+    all.push_back(call(name, SYS_madvise, 1, 1, advice));
+  }
+  for (const auto& [name, flags] : {HAPTIC_NAMED(MAP_GROWSDOWN), HAPTIC_NAMED(MAP_HUGETLB),
+                                    HAPTIC_NAMED(MAP_SHARED_VALIDATE)}) {
+    all.push_back(call(name, SYS_mmap, 0, 4096, PROT_READ, flags | MAP_PRIVATE, -1, 0));
+  }
+  for (const auto& [name, flags] :
+       {HAPTIC_NAMED(CLONE_VM | CLONE_VFORK | SIGCHLD), HAPTIC_NAMED(CLONE_PARENT | SIGCHLD),
+        HAPTIC_NAMED(CLONE_THREAD | CLONE_PTRACE), HAPTIC_NAMED(CLONE_THREAD | CLONE_NEWUSER)}) {
+    all.push_back(call(name, SYS_clone, flags, 0, 0, 0, 0));
+  }
+  for (const long flags : {long{MSG_FASTOPEN}, long{MSG_FASTOPEN | MSG_DONTWAIT}}) {
+    all.push_back(call("sendto MSG_FASTOPEN", SYS_sendto, kNone, 0, 0, flags, 0, 0));
+    all.push_back(call("sendmsg MSG_FASTOPEN", SYS_sendmsg, kNone, 0, flags));
+  }
+  const long own = getpid();
+  add(all, {call("its own pid, odd", SYS_tgkill, own | kHighBit, own, 0),
+            call("all threads", SYS_tgkill, -1, own, 0),
+            call("a signal of its own making", SYS_rt_tgsigqueueinfo, own, own, 0, 0),
+            call("its own pidfd", SYS_pidfd_open, own, 0),
+            call("prlimit64, odd", SYS_prlimit64, kHighBit, RLIMIT_NOFILE, 0, 0)});
+  // Families of calls that move data, wait, or place memory, with no use to a front.
+  std::istringstream names(
+      "splice tee vmsplice sendfile copy_file_range syncfs fsync sync_file_range fadvise64 "
+      "readahead fallocate io_setup io_submit timerfd_create timer_create setitimer alarm "
+      "signalfd4 "
+      "pipe2 socketpair dup dup2 dup3 sendmmsg recvmmsg statx readlinkat faccessat getdents64 "
+      "chdir "
+      "mbind set_mempolicy migrate_pages remap_file_pages modify_ldt pkey_alloc mlock munlock "
+      "mincore msync seccomp arch_prctl kcmp process_vm_readv name_to_handle_at uselib ioprio_get "
+      "getpriority sched_get_priority_max get_robust_list futex_waitv landlock_restrict_self");
+  for (std::string name; names >> name;) {
+    all.push_back(call(name, seccomp_syscall_resolve_name(name.c_str()), kNone, 0, 0, 0, 0, 0));
+  }
+  return all;
+}
+
 /// Words: the owner, the launcher, the daemon's folder, then names of control sockets; those of the
 /// abstract namespace begin with '@'.
 void denied_calls(Inside& in) {
@@ -283,7 +399,7 @@ void denied_calls(Inside& in) {
   add(all, on_process(in.number(1), "launcher"));
   add(all, on_process(1, "init"));
   for (Calls more : {on_processes(), on_scheduling(), on_rights(), on_kernel(), on_descriptors(),
-                     on_sockets(), on_files(folder)}) {
+                     on_sockets(), on_files(folder), on_arguments()}) {
     add(all, std::move(more));
   }
   for (std::size_t i = 3; i < in.words.size(); ++i) {

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <linux/filter.h>
-#include <linux/futex.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sys/epoll.h>
@@ -11,7 +10,6 @@
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -35,12 +33,6 @@ void pause_until_over(const Inside& in) {
 bool is_socket(int fd) {
   struct stat status {};
   return fstat(fd, &status) == 0 && S_ISSOCK(status.st_mode);
-}
-
-int option(int fd, int name) {
-  int value = -1;
-  socklen_t size = sizeof value;
-  return getsockopt(fd, SOL_SOCKET, name, &value, &size) == 0 ? value : -1;
 }
 
 /// Whoever reads or writes one of them on the other side waits.
@@ -124,32 +116,6 @@ void pages(Inside& in) {
   }
 }
 
-/// Many wait for the word by which the owner wakes the front, and move each other about.
-void futexes(Inside& in) {
-  std::vector<std::thread> waiting;
-  for (const int fd : shared_pages(in)) {
-    void* const mapped = mmap(nullptr, 4096, PROT_READ, MAP_SHARED, fd, 0);
-    if (mapped == MAP_FAILED) continue;
-    auto* const word = static_cast<std::uint32_t*>(mapped);
-    for (int i = 0; i < 100; ++i) {
-      waiting.emplace_back([word, &in, i] {
-        std::uint32_t other = 0;
-        const timespec moment{0, 1'000'000};
-        while (in.goes_on()) {
-          const std::uint32_t now = *static_cast<volatile std::uint32_t*>(word);
-          if (i < 96) {
-            syscall(SYS_futex, word, FUTEX_WAIT, now, &moment, nullptr, 0);
-          } else {
-            syscall(SYS_futex, word, FUTEX_REQUEUE, 1, 1000, &other, 0);
-            syscall(SYS_futex, word, FUTEX_WAKE, 1000, nullptr, nullptr, 0);
-          }
-        }
-      });
-    }
-  }
-  for (std::thread& each : waiting) each.join();
-}
-
 void tell(const char* what, int fd, int result) {
   const char* const how = result == 0 ? "done" : strerrorname_np(errno);
   answer(std::string(what) + " of " + std::to_string(fd) + ": " + how);
@@ -207,8 +173,45 @@ void epolls(Inside& in) {
   }
 }
 
-/// A message to the owner with descriptors.
-bool send_with(const std::vector<int>& descriptors, std::size_t bytes) {
+/// 253 ends of a pipe with every message.
+void descriptors_to_owner(Inside& in) {
+  std::array<int, 2> ends{};
+  static_cast<void>(pipe(ends.data()));
+  const std::vector<int> many(253, ends[0]);
+  std::uint64_t sent = 0;
+  while (in.goes_on()) {
+    if (send_with(kLink, many, sizeof(server::FrontMessage))) ++sent;
+    std::this_thread::sleep_for(1ms);
+  }
+  answer("sent " + std::to_string(sent));
+}
+
+/// Connections whose close waits for a peer that does not read: the last to close them is the
+/// owner.
+void lingering(Inside& in) {
+  std::vector<char> junk(1 << 16);
+  const linger patience{1, 60};
+  int given_away = 0;
+  for (int fd = kLink + 1; fd < kOwn; ++fd) {
+    if (!is_tcp(fd, TCP_ESTABLISHED)) continue;
+    while (send(fd, junk.data(), junk.size(), MSG_DONTWAIT | MSG_NOSIGNAL) > 0) continue;
+    setsockopt(fd, SOL_SOCKET, SO_LINGER, &patience, sizeof patience);
+    if (send_with(kLink, {fd}, sizeof(server::FrontMessage))) ++given_away;
+    close(fd);
+  }
+  answer("gave away " + std::to_string(given_away));
+  pause_until_over(in);
+}
+
+}  // namespace
+
+bool is_tcp(int fd, std::uint8_t state) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  return getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 && info.tcpi_state == state;
+}
+
+bool send_with(int socket, const std::vector<int>& descriptors, std::size_t bytes) {
   static std::array<char, 8192> zeros{};
   iovec part{zeros.data(), bytes};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int) * 253)> control{};
@@ -222,43 +225,8 @@ bool send_with(const std::vector<int>& descriptors, std::size_t bytes) {
   header->cmsg_type = SCM_RIGHTS;
   header->cmsg_len = CMSG_LEN(sizeof(int) * descriptors.size());
   std::copy(descriptors.begin(), descriptors.end(), reinterpret_cast<int*>(CMSG_DATA(header)));
-  return sendmsg(kLink, &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
+  return sendmsg(socket, &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
 }
-
-/// 253 ends of a pipe with every message.
-void descriptors_to_owner(Inside& in) {
-  std::array<int, 2> ends{};
-  static_cast<void>(pipe(ends.data()));
-  const std::vector<int> many(253, ends[0]);
-  std::uint64_t sent = 0;
-  while (in.goes_on()) {
-    if (send_with(many, sizeof(server::FrontMessage))) ++sent;
-    std::this_thread::sleep_for(1ms);
-  }
-  answer("sent " + std::to_string(sent));
-}
-
-/// Connections whose close waits for a peer that does not read: the last to close them is the
-/// owner.
-void lingering(Inside& in) {
-  std::vector<char> junk(1 << 16);
-  const linger patience{1, 60};
-  int given_away = 0;
-  for (int fd = kLink + 1; fd < kOwn; ++fd) {
-    if (option(fd, SO_DOMAIN) != AF_INET || option(fd, SO_TYPE) != SOCK_STREAM ||
-        option(fd, SO_ACCEPTCONN) != 0) {
-      continue;
-    }
-    while (send(fd, junk.data(), junk.size(), MSG_DONTWAIT | MSG_NOSIGNAL) > 0) continue;
-    setsockopt(fd, SOL_SOCKET, SO_LINGER, &patience, sizeof patience);
-    if (send_with({fd}, sizeof(server::FrontMessage))) ++given_away;
-    close(fd);
-  }
-  answer("gave away " + std::to_string(given_away));
-  pause_until_over(in);
-}
-
-}  // namespace
 
 std::vector<int> shared_pages(const Inside& in) {
   std::vector<int> found = in.given;
@@ -266,10 +234,13 @@ std::vector<int> shared_pages(const Inside& in) {
   return found;
 }
 
-const std::vector<Mode> kDescriptorModes{{"blocking", blocking},  {"setown", signals_by_descriptor},
-                                         {"locks", locks},        {"pages", pages},
-                                         {"futexes", futexes},    {"epolls", epolls},
-                                         {"sockets", sockets},    {"rights", descriptors_to_owner},
+const std::vector<Mode> kDescriptorModes{{"blocking", blocking},
+                                         {"setown", signals_by_descriptor},
+                                         {"locks", locks},
+                                         {"pages", pages},
+                                         {"epolls", epolls},
+                                         {"sockets", sockets},
+                                         {"rights", descriptors_to_owner},
                                          {"lingering", lingering}};
 
 }  // namespace haptic::hostile

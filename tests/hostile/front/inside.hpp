@@ -30,11 +30,18 @@ struct Spy final : server::FrontPort {
   void on_answer(const server::Answer& answer) override {
     if (answer.id == kSession) session = answer.session_id;
     if (answer.id == kLease) epoch = answer.lease.epoch;
+    if (answer.id >= kForged) ++(answer.refusal ? refused : granted);
     answered = answer.id;
+  }
+  void on_judged(const server::Judged& judged) override {
+    if (judged.ticket == kForged && judged.verdict.used()) ++used;
   }
 
   /// Ids of the attacker's own requests; the front's own are small.
   static constexpr std::uint64_t kSession = std::uint64_t{1} << 40U, kLease = kSession + 1;
+  /// The ticket of samples, and the first id of requests, that are watched.
+  static constexpr std::uint64_t kForged = std::uint64_t{1} << 46U;
+  std::atomic<std::uint64_t> refused{0}, granted{0}, used{0};  ///< of those
   std::atomic<std::uint32_t> epoch{0};  ///< of the newest lease of the first device
   std::atomic<std::uint64_t> answered{0};
   server::SessionId session{};
@@ -57,6 +64,14 @@ struct Inside {
 void answer(const std::string& line);
 /// Every thread but this one and the one that beats stops for good.
 void freeze_the_front();
+/// The owner's pages as this process has them mapped.
+[[nodiscard]] const server::OwnersPages* owners_pages(server::OwnerLink& owner);
+/// The front's end of the socket for samples.
+[[nodiscard]] int samples_socket(const Inside& in);
+/// A TCP socket in that state.
+[[nodiscard]] bool is_tcp(int fd, std::uint8_t state);
+/// A message of zeros with descriptors. False: it was not sent.
+[[nodiscard]] bool send_with(int socket, const std::vector<int>& descriptors, std::size_t bytes);
 /// Shared memory among the descriptors that the owner gave.
 [[nodiscard]] std::vector<int> shared_pages(const Inside& in);
 
@@ -64,7 +79,9 @@ struct Mode {
   std::string_view name;
   void (*run)(Inside& in);
 };
+extern const std::vector<Mode> kAllowedModes;     ///< allowed.cpp
 extern const std::vector<Mode> kCallModes;        ///< calls.cpp
+extern const std::vector<Mode> kCrossingModes;    ///< crossing.cpp
 extern const std::vector<Mode> kDescriptorModes;  ///< descriptors.cpp
 extern const std::vector<Mode> kLinkModes;        ///< link.cpp
 extern const std::vector<Mode> kProcessModes;     ///< process.cpp

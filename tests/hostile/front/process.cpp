@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <sys/shm.h>
 #include <sys/socket.h>
@@ -24,6 +25,7 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kMb = std::size_t{1} << 20U;
 constexpr std::size_t kMuch = 1200;  ///< MB: more than a front may have
+constexpr std::size_t kPerMb = 40;   ///< threads
 
 /// `take` takes one MB, and keeps it; false: there is no more.
 void take_all(const char* what, const Inside& in, const std::function<bool()>& take) {
@@ -53,6 +55,24 @@ void* mapped(int flags, int fd) {
   return mmap(nullptr, kMb, PROT_READ | PROT_WRITE, flags, fd, 0);
 }
 
+int sleep_for_good(void*) {
+  for (;;) {
+    const timespec long_time{1'000'000, 0};
+    syscall(SYS_nanosleep, &long_time, nullptr);
+  }
+}
+
+/// Threads that have next to no stack: the kernel's memory for one is 20 KB and more.
+bool idle_threads(std::size_t count) {
+  constexpr int kFlags = CLONE_VM | CLONE_FS | CLONE_FILES | CLONE_SIGHAND | CLONE_THREAD;
+  constexpr std::size_t kStack = 2048;
+  auto* const stacks = static_cast<char*>(std::malloc(count * kStack));
+  for (std::size_t i = 1; i <= count && stacks != nullptr; ++i) {
+    if (clone(sleep_for_good, stacks + i * kStack, kFlags, nullptr) < 0) return false;
+  }
+  return stacks != nullptr;
+}
+
 /// Memory that no limit on data counts. Word: which kind.
 void memory(Inside& in) {
   const std::string kind = in.words.empty() ? "data" : in.words[0];
@@ -60,6 +80,9 @@ void memory(Inside& in) {
     if (kind == "memfd") return fill(memfd_create("more", 0), kMb);
     if (kind == "shared") return touched(mapped(MAP_SHARED | MAP_ANONYMOUS, -1));
     if (kind == "private") return touched(mapped(MAP_PRIVATE | MAP_ANONYMOUS, -1));
+    // Counted as a stack.
+    if (kind == "growing") return touched(mapped(MAP_PRIVATE | MAP_ANONYMOUS | MAP_GROWSDOWN, -1));
+    if (kind == "threads") return idle_threads(kPerMb);
     if (kind == "tmpfs") return fill(open("/dev/shm", O_TMPFILE | O_RDWR, 0600), kMb);
     if (kind == "shmget") {
       const int id = shmget(IPC_PRIVATE, kMb, IPC_CREAT | 0600);

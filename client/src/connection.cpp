@@ -39,6 +39,7 @@ class Connection::Impl {
     // repetitions, 1, 2, 4 s apart, after the network is back.
     arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 1500);
     arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 500);
+    arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);  // $http_proxy would see samples and stops
     // Every connection of this library is its own: one that is stuck must not hold up another.
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
     channel = grpc::CreateCustomChannel(address, credentials, arguments);

@@ -19,7 +19,7 @@ from faults import until_served
 from frames import PREFACE, connect, served
 from outside import SERVED, parts
 
-STRANGER, NOBODY = 60_321, 65_534  # users without rights; the second is the front's of a root
+STRANGER, OTHER, NOBODY = 60_321, 60_322, 65_534  # without rights; the last is a root's front
 LINGER = struct.pack("ii", 1, 600)
 PASS_RIGHTS = 83  # SO_PASSRIGHTS
 NEW_USER_NAMESPACE = 0x10000000
@@ -99,8 +99,9 @@ def lingering():
 
 
 def burdened(daemon):
-    """A user gives the front descriptors whose close waits, along with a good beginning, on thirty
-    connections: others are served meanwhile. Kernels before 6.16 cannot refuse descriptors."""
+    """A user gives the front, and the control socket, descriptors whose close waits, on connections
+    in dozens: others are served meanwhile, and another user stops. Kernels before 6.16 cannot
+    refuse descriptors."""
     with socket.socket(socket.AF_UNIX) as probe:
         try:
             probe.getsockopt(socket.SOL_SOCKET, PASS_RIGHTS)
@@ -108,29 +109,35 @@ def burdened(daemon):
             return {"notes": ["not on this kernel"]}
     os.chmod(daemon.unix, 0o777)
 
-    def give():
+    def give(kind, place, words):
         held = []
 
         def send(to, number):
             with contextlib.suppress(OSError):
-                socket.send_fds(to, [PREFACE], [number])
-            os.close(number)  # mostly before the front has read: then the last close is its own
+                socket.send_fds(to, [words], [number])
+            os.close(number)  # mostly before the other has read: then the last close is its own
         for _ in range(30):
-            end, listener = lingering()
+            (end, listener), to = lingering(), socket.socket(socket.AF_UNIX, kind)
+            held += [to, listener]
+            to.settimeout(0.3)
             with contextlib.suppress(OSError):
-                to = connect(daemon.unix, 0.3)
-                held += [to, listener]
+                to.connect(place)
                 time.sleep(0.02)
                 threading.Thread(target=send, args=(to, end.detach()), daemon=True).start()
         time.sleep(3.0)
         return []
-    giver = threading.Thread(target=as_user, args=(STRANGER, give))
-    giver.start()
+    givers = [threading.Thread(target=as_user, args=(STRANGER, lambda all_of=all_of: give(*all_of)))
+              for all_of in ((socket.SOCK_STREAM, daemon.unix, PREFACE),
+                             (socket.SOCK_SEQPACKET, control_name(daemon), b"stop none"))]
+    for giver in givers:
+        giver.start()
     time.sleep(2.5)
     wrong = [f"not served meanwhile at {address}" for address in (daemon.tcp, daemon.unix)
              if not served(address, 1.0)]
-    giver.join()
-    return {"wrong": wrong}
+    answer = as_user(OTHER, lambda: [asked(control_name(daemon), b"stop spare").decode()])[0]
+    for giver in givers:
+        giver.join()
+    return {"wrong": wrong + ([] if answer.startswith("ok") else [f"another's stop: {answer}"])}
 
 
 def circles(daemon):

@@ -117,7 +117,8 @@ void take_rights_away() {
   // First out of the way of the numbers that they get.
   link = fcntl(link, F_DUPFD_CLOEXEC, kLink + 1);
   log = fcntl(log, F_DUPFD_CLOEXEC, kLink + 1);
-  dup2(open("/dev/null", O_RDONLY | O_CLOEXEC), STDIN_FILENO);
+  const int null = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  if (null < 0 || dup2(null, STDIN_FILENO) < 0) close(STDIN_FILENO);  // a host without /dev
   dup2(log, STDOUT_FILENO);
   dup2(log, STDERR_FILENO);
   dup2(link, kLink);

@@ -14,6 +14,7 @@
 
 #include "haptic/core/error.hpp"
 #include "haptic/wire/control_names.hpp"
+#include "server/crossing/packet_socket.hpp"
 
 namespace haptic::server {
 namespace {
@@ -119,6 +120,7 @@ void ControlListeners::bind_file(const std::string& path, bool for_all) {
   unlink(path.c_str());  // of one that was killed
   Descriptor made = new_socket();
   fchmod(made.get(), 0600);  // before it has a name: no other user ever sees it wider
+  refuse_descriptors(made.get());
   if (bind(made.get(), address.get(), address.size) != 0) throw fail(std::strerror(errno));
   files_.push_back(path);
   if (for_all) chmod(path.c_str(), 0666);
@@ -129,6 +131,7 @@ void ControlListeners::bind_file(const std::string& path, bool for_all) {
 bool ControlListeners::bind_abstract(const std::string& name) {
   const Address address('\0' + name);
   Descriptor made = new_socket();
+  refuse_descriptors(made.get());
   if (bind(made.get(), address.get(), address.size) != 0 || listen(made.get(), kWaiting) != 0) {
     return false;
   }

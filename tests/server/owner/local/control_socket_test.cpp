@@ -195,7 +195,12 @@ TEST(ControlSocket, ABurdenedMessageIsNotTaken) {
   Served served;
   Caller caller;
   const std::array descriptor{STDERR_FILENO};
-  ASSERT_TRUE(haptic::server::send(caller.descriptor(), 'x', descriptor));
+  int on = 0;
+  socklen_t size = sizeof on;
+  const bool refused =
+      getsockopt(caller.descriptor(), SOL_SOCKET, haptic::server::kPassRights, &on, &size) == 0;
+  ASSERT_EQ(haptic::server::send(caller.descriptor(), 'x', descriptor), !refused);
+  if (refused) return;  // by the kernel, from Linux 6.16 on
   served.socket.turn(kStart);
   EXPECT_TRUE(served.commands.empty()) << "to close what it brings may take long";
   EXPECT_FALSE(caller.say("stop")) << "it was closed";

@@ -6,6 +6,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <thread>
@@ -61,6 +62,8 @@ TEST(AskLocally, AnothersFolderIsNotBelieved) {
   ASSERT_EQ(listen(listener, 4), 0);
   std::thread answers([listener] {
     for (int caller = 0; (caller = accept(listener, nullptr, nullptr)) >= 0; close(caller)) {
+      std::array<char, 64> command{};
+      recv(caller, command.data(), command.size(), 0);
       send(caller, "ok\nfinger", 9, MSG_NOSIGNAL);
     }
   });

@@ -8,7 +8,7 @@ import unittest
 import inside
 
 NAMES = ("calls", "calls_landlock_0", "calls_user", "setown_landlock_0", "blocking_deaf", "clears",
-         "sockets_shut", "dies_abort", "hangs", "threads", "reaches", "legacy")
+         "sockets_shut", "dies_abort", "hangs", "threads", "reaches")
 
 
 def all_users_reach(path: str) -> bool:

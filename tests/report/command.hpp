@@ -27,6 +27,7 @@ void add_radius(CLI::App& app);
 void add_finger(CLI::App& app);
 void add_feel(CLI::App& app);
 void add_felt(CLI::App& app);
+void add_bound(CLI::App& app);
 void add_closed_loop(CLI::App& app);
 void add_press(CLI::App& app);
 void add_rate(CLI::App& app);

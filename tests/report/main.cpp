@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   haptic::report::add_rtt(app);
   haptic::report::add_felt(app);
   haptic::report::add_feel(app);
+  haptic::report::add_bound(app);
   haptic::report::add_scaling(app);
   haptic::report::add_work_precision(app);
   try {

@@ -12,6 +12,9 @@ namespace {
 
 /// Gap errors of several rigid contacts whose gradients are 30 degrees apart or more.
 constexpr double kWedge = 2.0;
+constexpr double kNarrow = 0.8660254037844386;  ///< cosine of these
+constexpr double kMargin = 1.05;       ///< of E: rounding, and what the last linearisation leaves
+constexpr double kStiff = 1.0 / 16.0;  ///< gamma below which kWedge counts
 
 }  // namespace
 
@@ -25,6 +28,8 @@ void ProxyBound::set(const PlaneSet& told, bool laws) noexcept {
   for (int i = 0; i < count; ++i) {
     told_ = told_ && uncertainty_[i] >= 0.0;
     if (!gaps_.is_curved(i)) continue;
+    // The normal turns while the body passes by, and nothing tells how fast that is.
+    told_ = told_ && gaps_.speed()[i] == 0.0;
     bend_[i] = bend(i);
     round_[static_cast<std::size_t>(i)] = round_gap(told, i);
   }
@@ -38,9 +43,7 @@ void ProxyBound::at(double age_error, ProxyError& out) const noexcept {
   out.beside = 0;
   if (!out.known) return;
   Remainder left[kMaxPlanes];
-  if (!(plain_ && anchor_.as_told()) && !proxy_error(age_error, true, left, out)) {
-    static_cast<void>(proxy_error(age_error, false, left, out));
-  }
+  if (!(plain_ && anchor_.as_told())) proxy_error(age_error, left, out);
   if (solver_.held() != 0) contact_errors(age_error, left, out);
 }
 
@@ -78,25 +81,23 @@ void ProxyBound::contact_errors(double age_error, const Remainder* left,
   out.turn.resize(0);
 }
 
-bool ProxyBound::proxy_error(double age_error, bool whole, Remainder* left,
-                             ProxyError& out) const noexcept {
+void ProxyBound::proxy_error(double age_error, Remainder* left, ProxyError& out) const noexcept {
   out.of.setZero(gaps_.size());
   out.everywhere = anchor_.unexplained();
-  const Open open = what_is_open(age_error, whole, left);
-  if (open.involved == 0) return true;
+  const Open open = what_is_open(age_error, left);
+  if (open.involved == 0) return;
   out.known = open.bent < kMostBent;
   const double stays = std::max(1.0 - open.bent, 1.0 - kMostBent);
   // Each linearisation shrinks what is left by `bent`, or more.
   if (gaps_.curved() != 0) out.everywhere += solver_.unsettled() * open.bent / stays;
-  if (of_one_flat_contact(open, out)) return true;
+  if (of_one_flat_contact(open, out)) return;
   double as_gap[kMaxPlanes];
   const double off = of_each_contact(open, left, as_gap, out);
-  return grow(open, off, whole, left, as_gap, out);
+  out.known = out.known && grow(open, off, left, out) && !wedged(open) && only_minimum(open, left);
 }
 
 /// Compares each contact's force now with its force at the anchor and the one that was told.
-ProxyBound::Open ProxyBound::what_is_open(double age_error, bool whole,
-                                          Remainder* left) const noexcept {
+ProxyBound::Open ProxyBound::what_is_open(double age_error, Remainder* left) const noexcept {
   Open open;
   const Vector &l = solver_.l(), &at_anchor = anchor_.l(), &told_l = anchor_.told_l();
   const Vector& scale = gaps_.scale();
@@ -118,10 +119,10 @@ ProxyBound::Open ProxyBound::what_is_open(double age_error, bool whole,
       share += l[i] > 0.0 ? std::max(0.0, shared + slope - l[i]) : 2.0 * shared;
     }
     if (gaps_.is_curved(i)) {
-      left[i] = remainder(i, whole ? &last : nullptr);
+      left[i] = remainder(i, last);
       gap = scale[i] * left[i].gap;
       share += scale[i] * l[i] * left[i].gradient;
-      open.bent += scale[i] * l[i] * (left[i].whole ? left[i].bend : bend_[i]);
+      open.bent += scale[i] * l[i] * left[i].bend;
     }
     gap += std::abs(gaps_.speed()[i]) * age_error;
     if (l[i] == 0.0) {
@@ -132,6 +133,8 @@ ProxyBound::Open ProxyBound::what_is_open(double age_error, bool whole,
       room = std::max(0.0, room);
     }
     if (l[i] > 0.0 || slope > 0.0 || share > 0.0 || gap > room) {
+      const bool lost = gaps_.is_curved(i) && scale[i] * left[i].gradient > kMostBent;
+      if (lost) open.bent = std::numeric_limits<double>::infinity();
       ++open.involved;
       open.only = i;
     }
@@ -178,31 +181,79 @@ double ProxyBound::of_each_contact(const Open& open, const Remainder* left, doub
 
 /// On a way E forces turn and gaps bend: E <= off + bent E + c E^2. What c is on the whole way is
 /// known for one that is assumed, the more the longer; it holds if E is no longer. At twice what
-/// it is without c there is no root beyond. False: none holds.
-bool ProxyBound::grow(const Open& open, double off, bool whole, const Remainder* left,
-                      const double* as_gap, ProxyError& out) const noexcept {
+/// it is without c there is no root beyond. False: none holds, or the way is too long for what a
+/// sample tells of a body.
+bool ProxyBound::grow(const Open& open, double off, const Remainder* left,
+                      ProxyError& out) const noexcept {
   const double stays = std::max(1.0 - open.bent, 1.0 - kMostBent);
   const double unsettled = solver_.unsettled();
   for (const double times : {1.25, 2.0}) {
     const double most = times * off / stays, far = most + out.everywhere + unsettled;
     double c = 0.0;
     bool follows = true;
-    for (int i = 0; i < gaps_.size() && whole; ++i) {
-      if (!gaps_.is_curved(i) || !left[i].whole) continue;
-      follows = follows && left[i].grows * far <= 1.0;
+    for (int i = 0; i < gaps_.size(); ++i) {
+      if (!gaps_.is_curved(i)) continue;
       const double scale = gaps_.scale()[i];
-      const double bow = 0.5 * scale * left[i].bend_within(far);
+      const double bend = scale * left[i].bend_within(far);
+      follows = follows && left[i].grows * far <= 1.0;
       c += 0.5 * scale * solver_.l()[i] * left[i].third_within(far);
-      if (open.gap[i] + bow * most * most > open.room[i]) c += bow * as_gap[i];
+      if (open.gap[i] + 0.5 * bend * most * most <= open.room[i]) continue;
+      follows = follows && bend * far <= kMostFar;
+      c += 0.5 * bend * (open.involved == 1 ? 1.0 : kWedge);
     }
     const double root = stays * stays - 4.0 * c * off;
     if (!follows || root < 0.0) return false;
     const double grown = 2.0 / (stays + std::sqrt(root));
     if (grown * off > most) continue;
-    out.of *= grown;
+    out.of *= gaps_.curved() != 0 ? kMargin * grown : grown;
     return true;
   }
   return false;
+}
+
+/// Errors of two stiff gaps move the edge between them by much more, if they meet at less than
+/// kWedge is for.
+bool ProxyBound::wedged(const Open& open) const noexcept {
+  for (int i = 0; i < gaps_.size() && open.involved > 1; ++i) {
+    if (open.gap[i] <= open.room[i] || gaps_.gamma()[i] > kStiff) continue;
+    for (int j = 0; j < gaps_.size(); ++j) {
+      if (j == i || gaps_.leaves_out(j) || gaps_.gamma()[j] > kStiff) continue;
+      if (solver_.l()[j] == 0.0 && open.gap[j] <= open.room[j]) continue;
+      const double cosine = gaps_.gradients().col(i).dot(gaps_.contacts().into.col(j));
+      if (std::abs(cosine) > kNarrow) return true;
+    }
+  }
+  return false;
+}
+
+/// Round bodies of a point: the sums of l_i ||H_i|| of two minima are 2 or more together. None is
+/// further from the probe than `most`, and none stores more, which bounds the other's sum.
+bool ProxyBound::only_minimum(const Open& open, const Remainder* left) const noexcept {
+  VecX pushed = VecX::Zero(gaps_.space().n_x());
+  for (int i = 0; i < gaps_.size(); ++i) {
+    if (solver_.l()[i] > 0.0) gaps_.push(pushed, solver_.l()[i], i);
+  }
+  double square = 0.0;
+  for (int i = 0; i < gaps_.size(); ++i) {
+    const double l = solver_.l()[i];
+    if (l > 0.0) square += l * (gaps_.along(i, pushed.data()) + gaps_.gamma()[i] * l);
+  }
+  const double most = std::sqrt(square);
+  double sharpest = 0.0, softness = 0.0;
+  int near = 0;
+  for (int i = 0; i < gaps_.size(); ++i) {
+    if (gaps_.leaves_out(i) || gaps_.contacts().depth[i] < -most) continue;
+    const double gamma = gaps_.gamma()[i];
+    ++near;
+    softness += gamma > 0.0 ? 1.0 / gamma : HUGE_VAL;
+    if (!gaps_.is_curved(i)) continue;
+    if (round_[static_cast<std::size_t>(i)].moves() == RoundGap::Moves::kHinges) return true;
+    const double radius = 1.0 / (gaps_.scale()[i] * left[i].bend);
+    const double least =
+        std::max(radius - 2.0 * most, radius + gamma * solver_.l()[i] - std::sqrt(gamma) * most);
+    sharpest = std::max(sharpest, least > 0.0 ? 1.0 / least : HUGE_VAL);
+  }
+  return near < 2 || open.bent + std::min(kWedge, std::sqrt(softness)) * most * sharpest < 2.0;
 }
 
 }  // namespace haptic::core

@@ -11,6 +11,7 @@ namespace {
 /// Two links are the same if their lengths differ by less than this share. A client's arithmetic
 /// leaves less; another finger or body makes more.
 constexpr double kSameLink = 1e-3;
+constexpr double kNothingKnown = 1e9;
 
 /// A joint that is not said to turn without end is on the real line, in rad.
 bool turns_points(const Coordinate& c) noexcept {
@@ -68,7 +69,7 @@ RoundGap ProxyBound::round_gap(const PlaneSet& told, int i) const noexcept {
 /// For a round body: the remainder at z itself. For other bodies a bound: if a point meets a body
 /// of constant curvature 1/R, the third derivative of the gap along z is 3 z_n z_t^2 / R^2; planar
 /// joints add 3 of the gradient and of H per angle. A contact without curvature is taken as flat.
-ProxyBound::Remainder ProxyBound::remainder(int i, LastTurn* last) const noexcept {
+ProxyBound::Remainder ProxyBound::remainder(int i, LastTurn& last) const noexcept {
   const auto [first, n, begin] = gaps_.curve(i);
   const double* entry = gaps_.curvature(i);
   const double* const z = solver_.z().data() + first;
@@ -90,22 +91,23 @@ ProxyBound::Remainder ProxyBound::remainder(int i, LastTurn* last) const noexcep
   double bent = 0.0;
   for (int row = 0; row < n; ++row) bent += Hz[row] * z[row];
   const RoundGap& round = round_[static_cast<std::size_t>(i)];
-  if (last != nullptr && round.moves() != RoundGap::Moves::kUnknown) {
+  if (round.moves() != RoundGap::Moves::kUnknown) {
     // The law as linearise() makes it.
     const double turned = Hz.head(n).norm() / round.length();
     const double share = turned > ContactGaps::kMostTurn ? ContactGaps::kMostTurn / turned : 1.0;
     for (int row = 0; row < n; ++row) Hz[row] = share * Hz[row] - g[row];
     const RoundGap::Law law{along + share * (1.0 - 0.5 * share) * bent, Hz.data()};
     if (round.moves() == RoundGap::Moves::kPoint) return round.point(z, law);
-    if (last->first != first) *last = {first, RoundGap::Turn(z)};
-    return round.hinges(last->turn, law);
+    if (last.first != first) last = {first, RoundGap::Turn(z)};
+    return round.hinges(last.turn, law);
   }
   VecX scratch;
   const TaskMetric& metric = gaps_.metric();
   const double far = metric.is_identity() ? solver_.z().segment(first, n).norm()
                                           : metric.weighed(solver_.z(), scratch).norm();
   const double turned = bend_[i] * far;
-  const double left = std::max(1.0 - turned, 1.0 - kMostBent);
+  if (turned > kMostBent) return {kNothingKnown, kNothingKnown, kNothingKnown};
+  const double left = 1.0 - turned;
   const double curve = 0.5 * (std::abs(along) + std::abs(bent)) * turned * turned / (left * left);
   const double tilt = 0.5 * turned * (turned + 2.0 * bend_[i] * std::abs(along)) / (left * left);
   return {curve + 0.5 * turns * (turns * most_along + most_bent),

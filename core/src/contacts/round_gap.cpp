@@ -122,8 +122,7 @@ RoundGap::Off RoundGap::point(const double* z, const Law& law) const noexcept {
           .bend = curve,
           .third = kSphere * curve * curve,
           .fourth = 6.0 * kSphere * curve * curve * curve,
-          .grows = 2.0 * curve,
-          .whole = true};
+          .grows = 2.0 * curve};
 }
 
 /// Places the chain with its links turned, and takes the distance there.
@@ -162,8 +161,7 @@ RoundGap::Off RoundGap::hinges(const Turn& turn, const Law& law) const noexcept 
       .third = std::sqrt(T_111 * T_111 + 3.0 * (T_112 * T_112 + T_122 * T_122) + T_222 * T_222) /
                (length_ * length_),
       .fourth = 5.0 * reach_ * more * more * more / (length_ * length_ * length_),
-      .grows = kShortest * grows / length_,
-      .whole = true};
+      .grows = kShortest * grows / length_};
 }
 
 }  // namespace haptic::core

@@ -40,6 +40,7 @@ bool ForceError::at(const Renders& renders, const Contacts& contacts, const Prox
   if (prior_) return false;
   force.setZero(n_a_);
   if (error.none()) return true;
+  if (renders.kind == RendererKind::kSubspaceExact) return false;  // J at q* is of first order
   BlockSet bit = 1;
   for (auto b = blocks_.begin(); b != blocks_.end(); ++b, bit <<= 1) {
     Block& block = *b;

@@ -18,6 +18,7 @@ constexpr double kBandPoint = 0.0005;                       // m
 constexpr double kBandOfMetric = 0.05;
 
 constexpr double kSettled = 1e-13;  // of tau_8: rounding
+constexpr double kRoom = 1.1;       // for the second order of a small way
 
 }  // namespace
 
@@ -39,6 +40,7 @@ bool contacts_by_joint(const ProjectionModel& model) noexcept {
 PerContact::PerContact(const ProjectionModel& model)
     : model_(model),
       band_(contact_band(model)),
+      small_(band_ * (band_ == kBandJoint ? 0.4 : 0.2)),
       by_joint_(contacts_by_joint(model)),
       solver_(model.n_x(), model.layout(), model.coupling()),
       tau_(VecA::Zero(model.layout().n_a())),
@@ -60,6 +62,9 @@ void PerContact::project(const Probe& probe, const VecX& /*x*/, const VecX& dx,
   const VecX& d = model_.metric().weighed(dx, dx_W_);
   const LeastSquares& solver = solve(probe, J, d, stiffness, proxy_changed, out);
   out.q_star = probe.q + solver.dq();
+  // Damping leaves the motors less force, and the finger feels what they give as before.
+  const bool plain = !model_.prior() && solver_.status() == ProjectionStatus::kExact;
+  const LeastSquares& levers = plain ? solver_ : solver;
   const DofLayout& layout = model_.layout();
   const int n_a = layout.n_a();
   for (int i = 0; i < n_a; ++i) tau_[i] = stiffness[i] * solver.dq()[layout.actuated(i)];
@@ -72,9 +77,9 @@ void PerContact::project(const Probe& probe, const VecX& /*x*/, const VecX& dx,
                      if (pushed_ == kMost) return;
                      model_.metric().weigh(direction);
                      Push& push = pushes_[static_cast<std::size_t>(pushed_++)];
-                     push.out = solver.also(J, direction);
+                     push.out = levers.also(J, direction);
                      push.depth = depth;
-                     push.cosine = leverage(solver, push.out);
+                     push.cosine = leverage(levers, push.out);
                      push.slack = slack_at(depth, band_, push.cosine);
                      push.contact = contact;
                      if (push.out.dot(tau_) < 0.0) {
@@ -94,7 +99,7 @@ void PerContact::project(const Probe& probe, const VecX& /*x*/, const VecX& dx,
   const VecA within = most(probe.contacts, stiffness);
   if (!pushed_in && (tau_.array().abs() <= within.array()).all()) return;
   out.q_wish = out.q_star;
-  out.contradicted = hold_back(solver, within);
+  out.contradicted = hold_back(levers, within);
   for (int i = 0; i < n_a; ++i) {
     const int k = layout.actuated(i);
     if (stiffness[i] > 0.0) out.q_star[k] = probe.q[k] + tau_[i] / stiffness[i];
@@ -207,21 +212,35 @@ const LeastSquares& PerContact::solve(const Probe& probe, const MatXQ& J, const 
   out.status = solver_.status();
   out.condition = solver_.condition();
   out.residual = solver_.residual();
-  if (!(out.condition > 1.0 / kDamped) || !extended_) return solver_;
-  const double near = 1.0 / (kDamped * out.condition);  // 1: damping begins, 0: singular
-  out.damping = 1.0 - near * near;
-  // tau_8 grows as 1 / near; what of it lies beyond the limit would be taken back all at once.
-  double beyond = 0.0;
-  for (int i = 0; i < model_.layout().n_a() && probe.contacts.force_limit != nullptr; ++i) {
-    const double limit = (*probe.contacts.force_limit)[probe.contacts.first_a + i];
-    const double tau = stiffness[i] * solver_.dq()[model_.layout().actuated(i)];
-    if (limit > 0.0) beyond = std::max(beyond, std::abs(tau) / limit);
-  }
-  const LeastSquares& solver = solve_with(
-      J, d, damping_weight(J, stiffness, 0.5 * (std::max(1.0, beyond * near) - near * near)),
-      VecQ::Zero(model_.layout().n_q()), stiffness);
+  if (!extended_) return solver_;
+  VecA tau = stiffness;
+  for (int i = 0; i < tau.size(); ++i) tau[i] *= solver_.dq()[model_.layout().actuated(i)];
+  const double near = 1.0 / out.condition, from = damped_from(probe.contacts, stiffness, tau);
+  if (!(near < from)) return solver_;
+  const double share = near / from;  // 1: damping begins, 0: singular
+  out.damping = 1.0 - share * share;
+  const LeastSquares& solver =
+      solve_with(J, d, damping_weight(J, stiffness, 0.5 * (from * from - near * near)),
+                 VecQ::Zero(model_.layout().n_q()), stiffness);
   out.residual = (d - J.lazyProduct(solver.dq())).norm();
   return solver;
+}
+
+double PerContact::damped_from(const ContactView& view, const VecA& stiffness,
+                               const VecA& tau) const noexcept {
+  const double near = 1.0 / solver_.condition();
+  if (!(near < kNear)) return 0.0;
+  double square = kDamped * kDamped;
+  const Eigen::Index n_a = tau.size();
+  for (Eigen::Index i = 0; i < n_a && view.force_limit != nullptr; ++i) {
+    const double limit = (*view.force_limit)[view.first_a + i];
+    if (!(limit > 0.0)) continue;
+    square = std::max(square, near * kRamp * std::abs(tau[i]) / limit);
+    if (solver_.status() != ProjectionStatus::kExact) continue;
+    const double steep = kRoom * stiffness[i] * solver_.felt(VecA::Unit(n_a, i)) * small_ / limit;
+    square = std::max(square, near * near * steep / kGentle);
+  }
+  return std::min(kNear, std::sqrt(square));
 }
 
 const LeastSquares& PerContact::solve_with(const MatXQ& J, const VecX& d, const VecQ& weight,
@@ -237,9 +256,9 @@ const LeastSquares& PerContact::solve_with(const MatXQ& J, const VecX& d, const 
 
 /// The metric's actuated block is Z_q (core/METHOD.md#rank-and-prior), scaled to the columns' size.
 VecQ PerContact::damping_weight(const MatXQ& J, const VecA& stiffness,
-                                double share) const noexcept {
+                                double square) const noexcept {
   const DofLayout& layout = model_.layout();
-  VecQ weight = kDamped * std::sqrt(share) * J.colwise().norm().transpose();
+  VecQ weight = std::sqrt(square) * J.colwise().norm().transpose();
   double size = 0.0;
   int driven = 0;
   for (int i = 0; i < layout.n_a(); ++i) {

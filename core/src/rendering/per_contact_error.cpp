@@ -18,11 +18,13 @@ struct Share {
 
 bool PerContact::widen(const Probe& probe, const VecA& stiffness, const ProxyError& error,
                        VecA& force) noexcept {
-  if (model_.prior() || model_.coupling() || !(solver_.condition() <= 1.0 / kDamped)) return false;
+  if (model_.prior() || model_.coupling()) return false;
   const DofLayout& layout = model_.layout();
   const int n_a = layout.n_a();
   VecA tau_8(n_a);
   for (int i = 0; i < n_a; ++i) tau_8[i] = stiffness[i] * solver_.dq()[layout.actuated(i)];
+  const VecA most_wished = tau_8.cwiseAbs() + force;
+  if (1.0 / solver_.condition() < damped_from(probe.contacts, stiffness, most_wished)) return false;
   double felt = 0.0, felt_off = 0.0;
   for (int i = 0; i < n_a && n_a > 1; ++i) felt_off += force[i] * solver_.felt(VecA::Unit(n_a, i));
   if (n_a > 1) felt = solver_.felt(tau_8);
@@ -65,7 +67,6 @@ bool PerContact::widen(const Probe& probe, const VecA& stiffness, const ProxyErr
     meet(near);
   }
   if (n_a > 1) {
-    const VecA most_wished = tau_8.cwiseAbs() + force;
     return !held_back && (most_wished.array() <= most(probe.contacts, stiffness).array()).all();
   }
   const double highest = tau_8[0] + force[0], lowest = tau_8[0] - force[0];

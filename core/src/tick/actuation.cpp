@@ -45,6 +45,10 @@ Effort Actuation::step(const Beat& beat, const Sensed& sensed, const Anchor& wan
   if (wanted.force_error.size() > 0) {
     const VecA wish = life.gain * settings.unlimited(wanted.stretch(layout_, sensed.q));
     effort.error_bound = life.gain * wanted.force_error + (wish - effort.tau_elastic).cwiseAbs();
+    // More than any force says nothing.
+    if ((effort.error_bound.array() > settings.force_limit.array()).any()) {
+      effort.error_bound.resize(0);
+    }
   }
   if (force_control_) {
     const FaultSet faults = life.faults | effort.faults;

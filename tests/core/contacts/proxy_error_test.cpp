@@ -25,12 +25,13 @@ struct Judged {
   std::vector<double> errors{}, bounds{};
   std::vector<double> depths{}, turns{};  ///< of the contacts, bound by error
   double peak{0.0};                       ///< of ||x - x_probe||
-  int unknown{0};
+  int unknown{0}, taken{0};
 
   void take(const PlaneProjection& projection, const VecX& x_probe, const VecX& x,
             const VecX& truth, double rounding = 1e-8) {
     ProxyError error;
     projection.error(0.0, error);
+    ++taken;
     peak = std::max(peak, (x - x_probe).norm());
     if (!error.known) {
       ++unknown;
@@ -197,7 +198,7 @@ TEST(ProxyError, BoundsADiscThatIsStroked) {
     const Judged judged = curved(space, disc, {0.0, 0.028}, 0.006, 0.010, u, 1.0, 5);
     ASSERT_GT(judged.errors.size(), 1000u);
     EXPECT_LT(judged.loose(), u == 0.0 ? 0.3 : 0.8) << u;
-    EXPECT_EQ(judged.unknown, 0);
+    EXPECT_LT(judged.unknown, judged.taken / 5) << u;
   }
 }
 
@@ -224,7 +225,7 @@ TEST(ProxyError, BoundsPadsOfAFinger) {
       const Judged judged = curved(space, pads(0.0), {0.45, 0.5}, 0.3, reach, u, 1e-3, 6);
       ASSERT_GT(judged.errors.size(), 1000u);
       EXPECT_LT(judged.loose(), u == 0.0 ? 0.1 : 1.2) << reach << ", " << u;
-      EXPECT_EQ(judged.unknown, 0);
+      EXPECT_LT(judged.unknown, judged.taken / 5) << reach << ", " << u;
     }
   }
 }
@@ -243,6 +244,54 @@ TEST(ProxyError, TrustsAFingersOwnLink) {
   const double none = of(0.0);
   EXPECT_LT(2.0 * of(0.045), none);
   EXPECT_EQ(of(0.050), none);
+}
+
+/// The normal of a round body that passes by turns, at a rate that nothing tells.
+TEST(ProxyError, IsUnknownIfWhatCurvesMoves) {
+  const ConfigurationSpace space = line_space(2);
+  for (const double speed : {0.0, 0.01}) {
+    for (const bool curves : {false, true}) {
+      PlaneSet told = planes_of(2, 1);
+      told.normals(1, 0) = -1.0;
+      told.compliance = told.uncertainty = PlaneSet::Offsets::Zero(1);
+      told.velocity = PlaneSet::Offsets::Constant(1, speed);
+      told.curvature = PlaneSet::Curvatures::Zero(3);
+      told.curvature[0] = curves ? 30.0 : 0.0;
+      told.curved[0] = 2;
+      PlaneProjection projection(space);
+      const VecX used = Eigen::Vector2d(0.0, -0.001);
+      projection.set(told, VecX::Zero(2), &used);
+      static_cast<void>(led_to(projection, used));
+      ProxyError error;
+      projection.error(0.0, error);
+      EXPECT_EQ(error.known, speed == 0.0 || !curves) << speed << " " << curves;
+    }
+  }
+}
+
+/// A notch between two discs that are deep in each other has other minima.
+TEST(ProxyError, IsUnknownNextToAnotherMinimum) {
+  const ConfigurationSpace space = line_space(2);
+  for (const double deep : {0.001, 0.02}) {
+    PlaneSet told = planes_of(2, 2);
+    const double cosine = 0.8, sine = 0.6, R = 0.03;
+    told.normals << sine, -sine, -cosine, -cosine;
+    told.compliance.setConstant(2, 0.01);
+    told.uncertainty.setZero(2);
+    told.curvature.resize(6);
+    for (int i = 0; i < 2; ++i) {
+      const double s = i == 0 ? sine : -sine;
+      told.curvature.segment(3 * i, 3) << cosine * cosine / R, s * cosine / R, s * s / R;
+      told.curved[static_cast<std::size_t>(i)] = 2;
+    }
+    PlaneProjection projection(space);
+    const VecX used = Eigen::Vector2d(0.0, -deep);
+    projection.set(told, VecX::Zero(2), &used);
+    static_cast<void>(led_to(projection, used));
+    ProxyError error;
+    projection.error(0.0, error);
+    EXPECT_EQ(error.known, deep < 0.01) << deep;
+  }
 }
 
 TEST(ProxyError, IsNothingForExactContacts) {

@@ -125,14 +125,13 @@ void judge(RendererKind kind, const Kinematics& map, const VecQ& q, Random& rand
   };
   const VecA here = force(renderer, x, used.contacts);
   const bool held_back = out.contradicted;
-  const VecQ where = kind == RendererKind::kSubspaceExact ? out.q_star : q;
   const Instant at(map, q, x);
   VecA bound;
   bool known = false;
   {
     const test::AllocationGuard guard;
     known =
-        force_error.at({kind, where, stiffness, {}, at.J}, used.contacts, used.error, bound) &&
+        force_error.at({kind, q, stiffness, {}, at.J}, used.contacts, used.error, bound) &&
         renderer.widen(at.probe({&used.contacts, &limit}), used.dx, stiffness, used.error, bound);
     EXPECT_EQ(guard.allocations(), 0u);
   }
@@ -208,7 +207,9 @@ TEST(ForceError, BoundsEveryRenderer) {
     Random random(4);
     Tally tally;
     judge_fingers(kind, 300, random, tally);
-    EXPECT_EQ(tally.known, tally.trials);
+    const bool linearised = kind != RendererKind::kSubspaceExact;
+    EXPECT_EQ(tally.known, linearised ? tally.trials : 0);
+    if (!linearised) continue;
     EXPECT_LT(*std::min_element(tally.ratios.begin(), tally.ratios.end()), 1.25)
         << "or the bound is vacuous";
   }

@@ -61,13 +61,14 @@ void RemoteClient::look(double t_s, const core::VecQ& q, const core::VecX& x_pro
   frame.seq = ++seq_;
   frame.q = q;
   frame.x_probe = x_probe;
-  frame.computed_s = t_s + 0.5 * settings_.delay_s;
+  const double delay = settings_.delay_s + settings_.delay_growth * t_s;
+  frame.computed_s = t_s + 0.5 * delay;
   put_proxy(frame);
   frame.contact = frame.x != x_probe;
   const bool lost = random_.uniform() < settings_.lost;
   const double late = settings_.disorder ? 2.0 * random_.uniform() * period : 0.0;
   if (lost) return;
-  frame.arrives_s = t_s + settings_.delay_s + late;
+  frame.arrives_s = t_s + delay + late;
   on_the_way_.push_back(frame);
   if (!settings_.disorder) return;
   frame.arrives_s += late;

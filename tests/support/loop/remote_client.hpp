@@ -60,11 +60,12 @@ struct ClientSettings {
   /// Instead of all of these: from what the frame knows of the device it computes x, walls (which
   /// are sent as they are), contact and anchored. With a mode of held, x alone is sent.
   std::function<void(Frame& frame)> simulate{};
-  double rate_hz{60.0};  ///< > 0
-  double delay_s{0.0};   ///< from the look at the device to the sample's arrival, >= 0
-  double jitter{0.3};    ///< of the period, uniform, +-; in [0, 1)
-  double lost{0.0};      ///< share of samples that never arrive
-  bool disorder{false};  ///< samples come twice, late by up to two periods and out of order
+  double rate_hz{60.0};      ///< > 0
+  double delay_s{0.0};       ///< from the look at the device to the sample's arrival, >= 0
+  double delay_growth{0.0};  ///< of the delay, s per s
+  double jitter{0.3};        ///< of the period, uniform, +-; in [0, 1)
+  double lost{0.0};          ///< share of samples that never arrive
+  bool disorder{false};      ///< samples come twice, late by up to two periods and out of order
   std::uint64_t seed{7};
   LocalLaw between{};  ///< none: the pipeline's own local model (core/METHOD.md#local-models)
 };

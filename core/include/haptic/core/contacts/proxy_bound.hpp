@@ -47,23 +47,24 @@ class ProxyBound {
   };
 
   /// Beyond this share of its radius of curvature a displacement says nothing of the object.
-  static constexpr double kMostBent = 0.9;
+  static constexpr double kMostBent = 0.5;
+  /// And beyond this share of it the error itself says nothing.
+  static constexpr double kMostFar = 0.07;
 
   /// Frobenius norm of the curvature of contact i in W^-1.
   [[nodiscard]] double bend(int i) const noexcept;
   /// The shape of object and tool at contact i; of unknown shape if i does not tell it.
   [[nodiscard]] RoundGap round_gap(const PlaneSet& told, int i) const noexcept;
-  /// `last` null: a shape that is known is not used.
-  [[nodiscard]] Remainder remainder(int i, LastTurn* last) const noexcept;
-  /// How far x may be off. `left`: of curved contacts. False: nothing follows from gaps that are
-  /// told whole (`whole`) so far off.
-  bool proxy_error(double age_error, bool whole, Remainder* left, ProxyError& out) const noexcept;
-  [[nodiscard]] Open what_is_open(double age_error, bool whole, Remainder* left) const noexcept;
+  [[nodiscard]] Remainder remainder(int i, LastTurn& last) const noexcept;
+  /// How far x may be off. `left`: of curved contacts.
+  void proxy_error(double age_error, Remainder* left, ProxyError& out) const noexcept;
+  [[nodiscard]] Open what_is_open(double age_error, Remainder* left) const noexcept;
   bool of_one_flat_contact(const Open& open, ProxyError& out) const noexcept;
   double of_each_contact(const Open& open, const Remainder* left, double* as_gap,
                          ProxyError& out) const noexcept;
-  bool grow(const Open& open, double off, bool whole, const Remainder* left, const double* as_gap,
-            ProxyError& out) const noexcept;
+  bool grow(const Open& open, double off, const Remainder* left, ProxyError& out) const noexcept;
+  [[nodiscard]] bool wedged(const Open& open) const noexcept;
+  [[nodiscard]] bool only_minimum(const Open& open, const Remainder* left) const noexcept;
   void contact_errors(double age_error, const Remainder* left, ProxyError& out) const noexcept;
 
   const ContactGaps& gaps_;

@@ -40,7 +40,6 @@ class RoundGap {
   struct Off {
     double gap, gradient, bend;
     double third{0.0}, fourth{0.0}, grows{0.0};
-    bool whole{false};  ///< a RoundGap tells it
 
     [[nodiscard]] double third_within(double way) const noexcept { return third + fourth * way; }
     [[nodiscard]] double bend_within(double way) const noexcept {

@@ -1,7 +1,8 @@
 #pragma once
 /// The error of the proxy, as it is at the actuators (core/METHOD.md#error-bound): by the
 /// renderer's own sensitivity, block by block. The rule per contact has that of Eq. (8) behind
-/// it, from which BlockRenderer::widen() goes on. Not offered with a prior.
+/// it, from which BlockRenderer::widen() goes on. Not offered with a prior, and by Eq. (6) only for
+/// a proxy that is exact.
 
 #include <vector>
 

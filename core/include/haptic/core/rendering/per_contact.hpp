@@ -8,8 +8,8 @@
 /// surface and 0 at the depth `band`; it also grows as the motors' leverage on contact i vanishes.
 /// So tau_a is continuous in q, x and the set of contacts.
 ///
-/// Near a singular pose J^+ is damped: not at all below condition 100, smoothly more above, so that
-/// tau_a passes through 0 where Eq. (8) changes its sign at full force
+/// Near a singular pose J^+ is damped, the earlier the more force there is, so that tau_a passes
+/// through 0 where Eq. (8) changes its sign at full force; below condition 10 never
 /// (core/METHOD.md#damping-near-singular-poses).
 
 #include <array>
@@ -86,10 +86,13 @@ class PerContact {
   void reset() noexcept { target_.reset(); }
 
  private:
-  /// 1 / condition from which damping begins, and lambda at the singularity, of equilibrated
-  /// columns. At this condition Eq. (8) already gives a hundred times the force of a
-  /// well-conditioned pose.
-  static constexpr double kDamped = 0.01;
+  // 1 / condition, of equilibrated columns:
+  static constexpr double kDamped = 0.01;  ///< damping begins here or earlier,
+  static constexpr double kNear = 0.1;     ///< and never before
+  /// Within this the force goes to 0: a joint's 0.1 deg changes 1 / condition by 0.00175 or less.
+  static constexpr double kRamp = 0.035;
+  /// Share of its limit by which a way of x by `small_` may change a force.
+  static constexpr double kGentle = 0.05;
   static constexpr int kMost = kMaxQ > kMaxPlanes ? kMaxQ : kMaxPlanes;
   struct Push {
     VecA out{};                      ///< S J^+ out_i: out . tau_a is what tau_a does along it
@@ -103,8 +106,12 @@ class PerContact {
                             const VecA& stiffness, bool proxy_changed, Projection& out) noexcept;
   const LeastSquares& solve_with(const MatXQ& J, const VecX& d, const VecQ& weight,
                                  const VecQ& target, const VecA& stiffness) noexcept;
+  /// 1 / condition below which tau_8 (n_a) is damped, of the plain solver's last J.
+  [[nodiscard]] double damped_from(const ContactView& view, const VecA& stiffness,
+                                   const VecA& tau) const noexcept;
+  /// sqrt(lambda^2 M) for lambda^2 = `square`.
   [[nodiscard]] VecQ damping_weight(const MatXQ& J, const VecA& stiffness,
-                                    double share) const noexcept;
+                                    double square) const noexcept;
   /// The force limits; 0 if there is no stiffness.
   [[nodiscard]] VecA most(const ContactView& view, const VecA& stiffness) const noexcept;
   /// tau_ <- the bounded optimum for several actuators. True: a contact held it back.
@@ -112,6 +119,7 @@ class PerContact {
 
   ProjectionModel model_;
   double band_;
+  double small_;  ///< 0.1 deg of a joint, 0.1 mm of a point; 0.01 in the scene's metric
   bool by_joint_;
   LeastSquares solver_;
   std::optional<LeastSquares> extended_{};  ///< with n_q rows more, if there is room for them

@@ -37,7 +37,10 @@ Derating::Derating(const PipelineConfig& config, std::shared_ptr<const Stiffness
           config.passivity.device_damping.minCoeff() > 0.0),
       coupling_(std::move(coupling)),
       half_period_s_(0.5 * seconds(config.device.sample_period)),
-      device_damping_(config.passivity.device_damping) {
+      device_damping_(config.passivity.device_damping),
+      inertia_(config.passivity.device_inertia),
+      filter_(config.filter),
+      lag_(seconds(config.filter.sensed_lag)) {
   if (on_ && coupling_) coupled_ = stiffest(*coupling_);
 }
 
@@ -76,12 +79,22 @@ void Derating::forget() noexcept {
 void Derating::take(const Settings& settings) noexcept {
   settings_id_ = settings.id;
   if (in_effect_.size() == 0) in_effect_ = settings.stiffness;
-  damping_ = (1.0 + kHand) * device_damping_ + settings.damping;
+  damping_ = (1.0 + kHand) * device_damping_ + lagged_damping(settings);
   room_ = (damping_.array() / (coupled_ * settings.stiffness.array())).minCoeff();
   if (!derated_) return;
   const VecA K = derated_->stiffness;
   derated_ = settings;
   derated_->stiffness = K.cwiseMin(settings.stiffness);
+}
+
+/// B as far as it damps at the highest frequency at which spring and device can swing, the hand
+/// adding nothing to the device's mass: its part that is in phase with the rate.
+VecA Derating::lagged_damping(const Settings& settings) const noexcept {
+  if (filter_.rate_lag == Duration::zero()) return settings.damping;
+  if (inertia_.size() == 0) return VecA::Zero(settings.damping.size());
+  const double lag2 = seconds(filter_.rate_lag) * seconds(filter_.rate_lag);
+  const auto turn2 = coupled_ * lag2 * settings.stiffness.array() / inertia_.array();
+  return settings.damping.array() / (1.0 + turn2);
 }
 
 /// A sample that leaves the probe free says nothing of how the next one that does not will be.
@@ -129,6 +142,7 @@ double Derating::late() const noexcept {
 
 void Derating::allow(const Settings& settings) noexcept {
   const double late_s = late();
+  lag_ = std::clamp(room_ - late_s, 0.0, seconds(filter_.sensed_lag));
   acts_ = late_s > (acts_ ? room_ : kOften * room_);
   if (acts_ && !derated_) {
     derated_ = settings;

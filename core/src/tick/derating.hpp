@@ -20,6 +20,9 @@ class Derating {
   [[nodiscard]] DeratingRecord step(const TickInput& in, const Beat& beat, const Sensed& sensed,
                                     const ProxySnapshot& sample, bool moved,
                                     const Settings& settings) noexcept;
+  /// That of the low-pass of DoFs that are only sensed, s: as much of the configuration's as the
+  /// loop's other delays leave of what the settings' stiffness allows.
+  [[nodiscard]] double lag() const noexcept { return lag_; }
   /// Those in effect, of the last step: `settings` itself while nothing is derated.
   [[nodiscard]] const Settings& settings(const Settings& settings) const noexcept {
     return derated_ ? *derated_ : settings;
@@ -36,6 +39,7 @@ class Derating {
   void forget() noexcept;
   /// Reads the settings, which are new.
   void take(const Settings& settings) noexcept;
+  [[nodiscard]] VecA lagged_damping(const Settings& settings) const noexcept;
   /// Measures by a new sample.
   void listen(const TickInput& in, const Beat& beat, const Sensed& sensed,
               const ProxySnapshot& sample, bool moved) noexcept;
@@ -51,6 +55,9 @@ class Derating {
   double coupled_{1.0};  ///< most by which coupling makes a direction stiffer than K
   const double half_period_s_;
   const VecA device_damping_;  ///< n_a
+  const VecA inertia_;         ///< n_a, or none: not known
+  const SensorFilter filter_;
+  double lag_;
   std::uint64_t settings_id_{0};
   VecA damping_{};                                        ///< that counts, n_a
   double room_{std::numeric_limits<double>::infinity()};  ///< late() up to which K is whole, s

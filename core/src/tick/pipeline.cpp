@@ -67,6 +67,8 @@ PipelineConfig checked(PipelineConfig config) {
   require(device.max_silence >= device.sample_period,
           "device.max_silence: must be >= its sample_period");
   require_entries(device.max_effort, n_a, "device.max_effort", 0.0);
+  require(std::min(config.filter.sensed_lag, config.filter.rate_lag) >= Duration::zero(),
+          "filter: lags must be >= 0");
 
   const RenderSettings& scene = config.scene;
   require_entries(scene.stiffness, n_a, "stiffness", 0.0);
@@ -147,7 +149,7 @@ class Pipeline::Stages {
         .input = in,
         .beat = clock_.step(in, ready_),
         .settings_id = settings.id,
-        .sensed = sensing_.step(in, now.beat.dt, driven_),
+        .sensed = sensing_.step(in, now.beat.dt, driven_, derating_.lag()),
         .proxy = proxy_.step(in, newest, settings.staleness, now.sensed.tracker, state_),
         .derating =
             derating_.step(in, now.beat, now.sensed, proxy_.sample(), proxy_.moved(), settings),

@@ -1,17 +1,37 @@
 #include "sensing.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "haptic/core/safety/limits.hpp"
 
 namespace haptic::core {
 
+namespace {
+
+// core/METHOD.md#noise-of-the-sensors:
+constexpr double kSlow = 0.15;      ///< 1/s, of a DoF's range
+constexpr double kSpeedLag = 0.02;  ///< s, of the speed that opens the low-pass
+
+VecQ slow(const Kinematics& kinematics) {
+  VecQ speed(kinematics.layout().n_q());
+  for (Eigen::Index i = 0; i < speed.size(); ++i) {
+    const DofSpec& dof = kinematics.dofs()[static_cast<std::size_t>(i)];
+    speed[i] = kSlow * (dof.upper - dof.lower);
+  }
+  return speed;
+}
+
+}  // namespace
+
 Sensing::Sensing(const PipelineConfig& config)
     : layout_(config.kinematics->layout()),
       limits_(config.device),
+      slow_(slow(*config.kinematics)),
       needs_force_(config.force_control.enabled()),
-      rate_(layout_.n_a()),
-      q_(VecQ::Zero(layout_.n_q())) {
+      rate_(layout_.n_a(), config.filter.rate_lag),
+      q_(VecQ::Zero(layout_.n_q())),
+      speed_(q_) {
   if (config.tracker) tracker_.emplace(*config.tracker, config.device);
   for (CellRatings ratings : config.force_control.cells) {
     const auto i = static_cast<Eigen::Index>(cells_.size());
@@ -22,8 +42,9 @@ Sensing::Sensing(const PipelineConfig& config)
   }
 }
 
-Sensed Sensing::step(const TickInput& in, Duration dt, const Driven& driven) noexcept {
+Sensed Sensing::step(const TickInput& in, Duration dt, const Driven& driven, double lag) noexcept {
   Sensed now;
+  now.lag = lag;
   if (in.device.health == DeviceHealth::kLost) now.faults.set(Fault::kDeviceLost);
   if (in.device.health == DeviceHealth::kForceOverLimit) now.faults.set(Fault::kForceOverLimit);
 
@@ -32,6 +53,7 @@ Sensed Sensing::step(const TickInput& in, Duration dt, const Driven& driven) noe
   if (tracker_ && ready_) tracker_->place(q_);
 
   now.ready = ready_;
+  now.refused = refused_;
   now.age = ready_ ? in.now - taken_ : Duration::zero();
   now.recent = ready_ && now.age <= kRecentPeriods * limits_.sample_period;
   now.silent = ready_ && now.age > limits_.max_silence;
@@ -73,6 +95,7 @@ void Sensing::take(const DeviceSample& sample, TimePoint now, Sensed& sensed) no
   } else if (!within(q, limits_.q_lower, limits_.q_upper)) {
     sensed.faults.set(Fault::kSampleOutOfRange);
   } else {
+    smooth(q, sample.time, sensed.lag);
     q_ = q;
     tau_measured_ = sample.tau_measured;
     rate_.update(layout_.select(q_), sample.time, kRecentPeriods * limits_.sample_period);
@@ -80,6 +103,27 @@ void Sensing::take(const DeviceSample& sample, TimePoint now, Sensed& sensed) no
     measured_ = sample.time;
     taken_ = now;
     ready_ = sensed.fresh = true;
+  }
+  refused_ = !sensed.fresh;
+}
+
+/// After a gap, as after no sample at all, it begins at the reading. A jump is a speed that opens
+/// the low-pass whole.
+void Sensing::smooth(VecQ& q, TimePoint time, double lag) noexcept {
+  const VecQ before = std::exchange(reading_, q);
+  const Duration dt = time - measured_;
+  const bool goes_on =
+      ready_ && dt > Duration::zero() && dt <= kRecentPeriods * limits_.sample_period;
+  if (!goes_on || lag <= 0.0) {
+    speed_.setZero();
+    return;
+  }
+  const double dt_s = seconds(dt);
+  for (int k = 0; k < layout_.n_n(); ++k) {
+    const int i = layout_.sensed(k);
+    speed_[i] = low_passed(speed_[i], (q[i] - before[i]) / dt_s, dt_s, kSpeedLag);
+    const double share = speed_[i] / slow_[i];
+    q[i] = low_passed(q_[i], q[i], dt_s, lag / (1.0 + share * share));
   }
 }
 

@@ -57,16 +57,8 @@ inline const core::VecA& drive(const TickTold& told) {
 /// The reading of the device, if it was refused.
 inline core::VecQ refused_reading(const TickTold& told) {
   const core::Sensed& sensed = told.record.sensed;
-  core::VecQ reading = told.record.input.device.sample.q;
-  if (reading.size() != sensed.q.size()) return {};
-  if (sensed.tracker.on) {
-    // The device's own word about a tracked palm is not looked at.
-    constexpr auto kDofs = static_cast<Eigen::Index>(core::kPalmDofs);
-    const Eigen::Index first = sensed.tracker.first_dof;
-    reading.segment<kDofs>(first) = sensed.q.segment<kDofs>(first);
-  }
-  if (reading == sensed.q) return {};
-  return reading;
+  const core::VecQ& reading = told.record.input.device.sample.q;
+  return sensed.refused && reading.size() == sensed.q.size() ? reading : core::VecQ{};
 }
 
 /// One per actuated DoF, or none if none acted.

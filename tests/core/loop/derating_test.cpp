@@ -176,6 +176,40 @@ TEST(Derating, AnyNumberMakesPlanesOthers) {
   }
 }
 
+/// 6.5 N s/m at 1500 N/m leave 4.33 ms: of that half a tick, and the age of the samples, are gone.
+TEST(Derating, LowPassTakesWhatIsLeft) {
+  PipelineConfig config = on_rails();
+  config.filter.sensed_lag = milliseconds(6);
+  Late alone(config);
+  alone.planes = fixed_plane;
+  alone.engage();
+  EXPECT_NEAR(alone.record.sensed.lag, kPays / kK - 0.0005, 1e-12);
+  EXPECT_EQ(alone.stiffness(), kK);
+  LateBoard board(config);
+  board.planes = fixed_plane;
+  board.engage();
+  EXPECT_EQ(board.record.sensed.lag, 0.0);
+  EXPECT_LT(board.stiffness(), kK);
+  config.derating = false;
+  Late any(config);
+  any.engage();
+  EXPECT_EQ(any.record.sensed.lag, 0.006) << "nothing says what the stiffness allows";
+}
+
+/// Its part in phase with the rate, at the highest frequency of spring and device; none if that is
+/// not known.
+TEST(Derating, LowPassedDampingCountsLess) {
+  PipelineConfig config = on_rails();
+  config.filter.rate_lag = milliseconds(2);
+  for (const double inertia : {0.0, 0.05}) {
+    config.passivity.device_inertia = inertia > 0.0 ? VecA::Constant(1, inertia) : VecA{};
+    Late loop(config);
+    loop.engage();
+    const double counts = inertia > 0.0 ? kB / (1.0 + kK * 4e-6 / inertia) : 0.0;
+    EXPECT_NEAR(loop.stiffness(), (3.0 * kDevice + counts) / (0.0005 + 0.070 / 4), 1e-9);
+  }
+}
+
 TEST(Derating, HeldBetweenContactsStaysCapped) {
   Late loop;
   loop.engage();

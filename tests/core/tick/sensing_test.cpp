@@ -20,7 +20,7 @@ class SensingTest : public testing::Test {
     in.now += milliseconds(1);
     in.device.fresh = fresh;
     if (fresh) in.device.sample.time = in.now;
-    return sensing.step(in, milliseconds(1), driven);
+    return sensing.step(in, milliseconds(1), driven, 0.0);
   }
   PipelineConfig config;
   Driven driven{};

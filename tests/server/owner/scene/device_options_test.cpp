@@ -93,6 +93,21 @@ TEST(PassivityScene, ARecordingHasNoDynamics) {
             0.0);
 }
 
+TEST(SensorFilterScene, DefaultsDependOnTheSource) {
+  const auto lags = [](const server::DeviceScene& device) {
+    const core::SensorFilter& filter = device.pipeline.filter;
+    return std::pair(filter.sensed_lag, filter.rate_lag);
+  };
+  const std::pair<core::Duration, core::Duration> none{0, 0}, given{0, milliseconds(20)};
+  const core::SensorFilter usual = core::kDefaultFilter;
+  EXPECT_EQ(lags(device_having("")), std::pair(usual.sensed_lag, usual.rate_lag));
+  EXPECT_EQ(lags(device_having("sensor_filter { sensed_lag {} rate_lag {} }")), none);
+  EXPECT_EQ(lags(device_having("sensor_filter { sensed_lag {} rate_lag { nanos: 20000000 } }")),
+            given);
+  const server::DeviceScene replay = shipped_scene("finger_replay").devices[0];
+  EXPECT_EQ(lags(replay), std::pair(core::Duration(0), usual.rate_lag));
+}
+
 TEST(BoardScene, KnowsItsLinkagesName) {
   const auto linkage_of = [](const std::string& finger) {
     const std::string board =
@@ -177,6 +192,7 @@ TEST(DeviceOptions, ErrorsNamePlaceValueAndRule) {
       {kFinger, d + "passivity.device_damping_n_s_per_m=[1, 2]", "must have one value per"},
       {kFinger, d + "passivity.observer.inertia_kg[0]=0", "must be > 0"},
       {kFinger, d + "limits.power_w[0]=0", "must be > 0"},
+      {kFinger, d + "sensor_filter.sensed_lag={nanos: 20000001}", "must be 0 ms to 20 ms"},
       {kFinger, d + "limits.power_w=[1, 2]", "must have one value per"},
       {kFinger, d + "limits.rate_m_per_s[0]=-1", "must be > 0"},
   });

@@ -16,9 +16,10 @@ core::TickRecord full_record() {
   r.beat.tick = 1;
   r.input.now = core::TimePoint(std::chrono::hours(1));
   r.input.settings.stiffness = VecA::Constant(1, 100.0);
-  r.input.device.sample.q = VecQ::Constant(2, 9.0);  // refused: it is not q
+  r.input.device.sample.q = VecQ::Constant(2, 9.0);
   r.input.device.sample.tau_measured = VecA::Ones(1);
   r.sensed.q = r.effort.q_star = VecQ::Ones(2);
+  r.sensed.refused = true;
   r.sensed.q_a_dot = r.effort.tau_a = r.effort.tau_elastic = r.effort.drive =
       r.effort.temperature_c = r.effort.error_bound = VecA::Ones(1);
   r.anchor.x_probe = r.anchor.x = VecX::Ones(2);
@@ -46,7 +47,7 @@ core::TickRecord full_record() {
 TEST(StateMessage, SetsEveryField) {
   core::TickRecord tracked;
   tracked.sensed.tracker = {true, 0, 1, core::Staleness::kFresh, std::chrono::milliseconds(1)};
-  tracked.sensed.q = tracked.input.device.sample.q = VecQ::Zero(6);
+  tracked.sensed.q = VecQ::Zero(6);
   v1::DeviceState state, full;
   write({tracked}, state);
   write({full_record(), Carrier::kUdp, 1}, full);
@@ -91,7 +92,7 @@ TEST(StateMessage, SaysWhatTheRecordSays) {
   EXPECT_EQ(state.stiffness_in_effect(0), 40.0) << "half of what derating leaves";
   EXPECT_EQ(state.reading(0), 9.0);
   r.derating.reason = core::DeratingReason::kNone;
-  r.input.device.sample.q = r.sensed.q;
+  r.sensed.refused = false;
   r.effort.passivity.on = false;
   write({r}, state);
   EXPECT_EQ(state.stiffness_in_effect(0), 50.0) << "half of the settings'";

@@ -34,6 +34,16 @@ struct DeviceLimits {
   VecA drive_damping{};
 };
 
+/// Low-passes against the noise of the sensors (core/METHOD.md#noise-of-the-sensors).
+struct SensorFilter {
+  /// Lag of the DoFs that are only sensed, at most: with derating, what the stiffness allows.
+  Duration sensed_lag{0};
+  Duration rate_lag{0};  ///< of the rate of the actuated ones; both 0: none
+};
+/// A scene that names none gets these.
+inline constexpr SensorFilter kDefaultFilter{std::chrono::microseconds(3500),
+                                             std::chrono::milliseconds(2)};
+
 /// A client says where the tracked palm is (proto/README.md#a-session, role tracker).
 struct TrackerSettings {
   int first_dof{0};             ///< of the palm's six in q
@@ -44,6 +54,7 @@ struct PipelineConfig {
   std::shared_ptr<const Kinematics> kinematics{};
   ProjectionSettings projection{};  ///< metric W_x, and the prior if the map needs one
   DeviceLimits device{};
+  SensorFilter filter{};
   RenderSettings scene{};  ///< the widest settings; a session's are held within these
   Duration loop_late_fault{std::chrono::milliseconds(20)};
   int late_bucket_full{LateBucket::kFull};

@@ -66,16 +66,20 @@ struct Beat {
 
 /// The device as this tick knows it.
 struct Sensed {
-  VecQ q{};             ///< n_q, newest good sample, with the tracker's pose if the scene has one
-  VecA q_a_dot{};       ///< n_a, from device time stamps; m/s or rad/s
+  /// n_q, newest good sample, its sensed-only DoFs low-passed, with the tracker's pose if the scene
+  /// has one.
+  VecQ q{};
+  double lag{0.0};      ///< s, of that low-pass
+  VecA q_a_dot{};       ///< n_a, from device time stamps, low-passed; m/s or rad/s
   VecA tau_measured{};  ///< n_a, with that sample; N or N m; size 0: the device measures none
   TrackerRecord tracker{};
-  bool ready{false};   ///< a good sample came, in this tick or before
-  bool fresh{false};   ///< in this tick
-  bool recent{false};  ///< the newest one is at most 3 of the device's periods old
-  bool silent{false};  ///< it is older than the device's max_silence
-  Duration age{0};     ///< since the tick in which it came; 0 before the first
-  FaultSet faults{};   ///< of the device, whose cause is present in this tick
+  bool ready{false};    ///< a good sample came, in this tick or before
+  bool fresh{false};    ///< in this tick
+  bool refused{false};  ///< the newest sample was no good one
+  bool recent{false};   ///< the newest one is at most 3 of the device's periods old
+  bool silent{false};   ///< it is older than the device's max_silence
+  Duration age{0};      ///< since the tick in which it came; 0 before the first
+  FaultSet faults{};    ///< of the device, whose cause is present in this tick
 };
 
 /// The sample of the proxy in use, which may not be the newest.

@@ -136,8 +136,12 @@ void Derating::listen(const TickInput& in, const Beat& beat, const Sensed& sense
 double Derating::late() const noexcept {
   double late = half_period_s_ + std::max(0.0, device_.value);
   if (remote_ == DeratingReason::kNone) return late;
-  const double came = 0.5 * came_late_.value;
-  return late + (oldest_.value < 0.0 ? came : std::min(came, 0.25 * oldest_.value));
+  double came = 0.5 * came_late_.value;
+  if (oldest_.value < 0.0) return late + came;
+  if (remote_ == DeratingReason::kHeld) {  // x is on its way from one sample to the next
+    came += 0.125 * std::max(0.0, oldest_.value - came_late_.value);
+  }
+  return late + std::min(came, 0.25 * oldest_.value);
 }
 
 void Derating::allow(const Settings& settings) noexcept {

@@ -10,6 +10,9 @@ namespace {
 /// m or rad: of a simulation that reckons in single precision.
 constexpr double kRounding = 1e-6;
 
+/// s: a client that pauses is followed within this time.
+constexpr double kLongestWay = 0.05;
+
 }  // namespace
 
 void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const VecX& x_probe,
@@ -25,11 +28,16 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
   error_.known = false;
   switch (mode_) {
     case ProxyMode::kHeld:
-      if (new_sample_) find_free(sample, goes_on);
+      if (new_sample_) {
+        const auto free_before = free_;
+        find_free(sample, goes_on);
+        set_out(sample.x, goes_on, free_before, moment.now);
+      }
       now.x = sample.x;
+      changed_ = go_on(moment.now, dt, now.x) || new_sample_ || free_.any();
       if (free_.any()) follow(x_probe, now.x);
+      last_ = now.x;
       now.in_the_way = free_.count() < static_cast<std::size_t>(space_.n_x());
-      changed_ = new_sample_ || free_.any();
       break;
     case ProxyMode::kFree:
       now.x = x_probe;
@@ -87,6 +95,33 @@ void LocalProxy::follow(const VecX& x_probe, VecX& x) const noexcept {
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     if (free_[static_cast<std::size_t>(i)]) x[i] = x_probe[i];
   }
+}
+
+/// A coordinate that the sample before did not hold is there at once: contact is felt no later.
+void LocalProxy::set_out(const VecX& to, bool goes_on, const std::bitset<kMaxX>& free_before,
+                         TimePoint now) noexcept {
+  way_s_ = goes_on ? std::min(seconds(now - came_), kLongestWay) : 0.0;
+  came_ = now;
+  if (way_s_ <= 0.0) return;
+  from_ = last_;
+  for (Eigen::Index i = 0; i < from_.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (free_[k] || free_before[k]) from_[i] = to[i];
+  }
+  space_.difference(to, from_, way_);
+  if (way_.isZero(0.0)) way_s_ = 0.0;
+}
+
+bool LocalProxy::go_on(TimePoint now, double dt, VecX& x) noexcept {
+  if (way_s_ <= 0.0) return false;
+  const double gone_s = seconds(now - came_) + dt;
+  if (gone_s < way_s_) {
+    x = from_ + (gone_s / way_s_) * way_;
+    for (const int first : space_.quaternions()) x.segment<4>(first).normalize();
+  } else {
+    way_s_ = 0.0;
+  }
+  return true;
 }
 
 /// Spends a quarter of what a replay may cost; replay() has the rest.

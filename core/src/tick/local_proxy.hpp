@@ -1,10 +1,11 @@
 #pragma once
 /// The proxy between two samples: how x moves at 1 kHz while the simulation is silent
-/// (core/METHOD.md#local-models). held: x stays, but coordinates equal to the probe
-/// that the client saw keep following the probe. free: x is the haptic probe itself, so that no
-/// force and no drag arise; a client that falls silent in free space leaves nothing behind that
-/// could pull. planes: x is the haptic probe, kept out of the sample's planes, or the proxy against
-/// its contacts (core/METHOD.md#contacts); while none is in the way it is as free.
+/// (core/METHOD.md#local-models). held: x goes to the newest sample's and stays, but coordinates
+/// equal to the probe that the client saw keep following the probe. free: x is the haptic probe
+/// itself, so that no force and no drag arise; a client that falls silent in free space leaves
+/// nothing behind that could pull. planes: x is the haptic probe, kept out of the sample's planes,
+/// or the proxy against its contacts (core/METHOD.md#contacts); while none is in the way it is as
+/// free.
 
 #include <bitset>
 
@@ -51,6 +52,12 @@ class LocalProxy {
   /// sample before it, of the same lease.
   void find_free(const ProxySnapshot& sample, bool goes_on) noexcept;
   void follow(const VecX& x_probe, VecX& x) const noexcept;
+  /// A new held sample: x goes to it from where it is, within the time that it came after the one
+  /// before. `goes_on`: that was held, too.
+  void set_out(const VecX& to, bool goes_on, const std::bitset<kMaxX>& free_before,
+               TimePoint now) noexcept;
+  /// x, the newest sample's, on that way in this tick, `dt` s after the last. False: it was there.
+  [[nodiscard]] bool go_on(TimePoint now, double dt, VecX& x) noexcept;
   /// The objects of the sample before are taken to the tick of the next one, which tells how fast
   /// they became by then.
   void compare(std::uint64_t next, VecX& x) noexcept;
@@ -76,6 +83,10 @@ class LocalProxy {
   VecX held_{};                ///< x of the newest held sample
   VecX dx_{};                  ///< to that from used_
   std::bitset<kMaxX> free_{};  ///< coordinates of the held sample that follow the probe
+  TimePoint came_{};           ///< when it came
+  double way_s_{0.0};          ///< how long x is on its way to it; 0: it is there
+  VecX from_{}, way_{};        ///< where x was then, and x (-) from_ of it
+  VecX last_{};                ///< x of the last tick
   bool new_sample_{false};
   bool changed_{false};
 };

@@ -99,7 +99,7 @@ TEST(Derating, HeldProxyIsCappedByDelay) {
   quick.period_ms = 40;
   quick.late_ms = 12;
   quick.engage();
-  EXPECT_NEAR(quick.stiffness(), kPays / (0.0005 + 0.012 / 2), 1e-9);
+  EXPECT_NEAR(quick.stiffness(), kPays / (0.0005 + 0.012 / 2 + 0.040 / 8), 1e-9);
   Late loop;
   loop.engage();
   // It comes 50 ms late and is 70 ms old when the next one comes.
@@ -269,6 +269,7 @@ TEST(Derating, StiffnessNeverSteps) {
 
 TEST(Derating, OneLateSampleIsNone) {
   Late loop;
+  loop.period_ms = 10;
   loop.late_ms = 2;
   loop.engage();
   loop.late_ms = 100;

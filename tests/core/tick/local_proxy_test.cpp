@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/support/vectors.hpp"
 
@@ -42,6 +43,86 @@ TEST_F(LocalProxyTest, HeldProxyStays) {
   EXPECT_TRUE(now.in_the_way && local_.changed() && local_.new_sample());
   EXPECT_EQ(step(held, 3.0, 0.0).x, two(1.0, 2.0));
   EXPECT_FALSE(local_.changed() || local_.new_sample());
+}
+
+TEST_F(LocalProxyTest, HeldGoesToTheNextSample) {
+  ProxySnapshot held = sample_of(ProxyMode::kHeld, 1);
+  for (int k = 0; k < 4; ++k) step(held, 0.0, 0.0);
+  held.seq = 2;  // 4 ms after the first one
+  held.x[1] = 6.0;
+  for (const double b : {3.0, 4.0, 5.0, 6.0}) {
+    EXPECT_EQ(step(held, 0.0, 0.0).x, two(1.0, b));
+    EXPECT_TRUE(local_.changed());
+  }
+  EXPECT_EQ(step(held, 0.0, 0.0).x, two(1.0, 6.0)) << "never beyond the newest one";
+  EXPECT_FALSE(local_.changed());
+  held.seq = 3;  // 5 ms; the next one comes early, after 2 ms
+  held.x[1] = 1.0;
+  EXPECT_EQ(step(held, 0.0, 0.0).x[1], 5.0);
+  EXPECT_EQ(step(held, 0.0, 0.0).x[1], 4.0);
+  held.seq = 4;
+  held.x[1] = 0.0;
+  EXPECT_EQ(step(held, 0.0, 0.0).x[1], 2.0) << "from where it is";
+  EXPECT_EQ(step(held, 0.0, 0.0).x[1], 0.0);
+  held.seq = 5;  // 2 ms
+  held.x[1] = 2.0;
+  step(held, 0.0, 0.0);
+  EXPECT_EQ(step(held, 0.0, 0.0).x[1], 2.0);
+  for (const double b : {7.0, 8.0, 9.0}) {
+    ++held.seq;
+    held.x[1] = b;
+    step(held, 0.0, 0.0);
+  }
+  EXPECT_EQ(step(held, 0.0, 0.0).x[1], 9.0) << "a sample in every tick is never late";
+}
+
+TEST_F(LocalProxyTest, HeldBeginsWhereItIsTold) {
+  ProxySnapshot held = sample_of(ProxyMode::kHeld, 1);
+  for (int k = 0; k < 200; ++k) step(held, 0.0, 0.0);
+  held.seq = 2;
+  held.x[1] = 4.0;
+  for (int k = 0; k < 25; ++k) step(held, 0.0, 0.0);
+  EXPECT_NEAR(step(held, 0.0, 0.0).x[1], 3.04, 1e-12) << "50 ms at most";
+  held.seq = 3;
+  held.tenure = 2;
+  EXPECT_EQ(step(held, 0.0, 0.0).x[1], 4.0) << "another lease";
+  step(held, 0.0, 0.0);
+  step(sample_of(ProxyMode::kFree, 4), 0.0, 0.0);
+  step(held, 0.0, 0.0);
+  EXPECT_EQ(step(held, 0.0, 0.0).x[1], 4.0) << "another mode";
+  step(held, 0.0, 3.0);
+  held.seen_at = tick_;
+  ++held.seq;
+  held.x[1] = 3.0;  // where the probe was
+  EXPECT_EQ(step(held, 0.0, 3.5).x[1], 3.5);
+  ++held.seq;
+  held.x[1] = 2.0;
+  EXPECT_EQ(step(held, 0.0, 3.5).x[1], 2.0) << "a contact that begins";
+}
+
+TEST(LocalProxy, HeldTurnsTheShortWay) {
+  const auto part = [](const char* name) {
+    return Coordinate{name, Unit::kRadian, CoordinateKind::kQuaternion};
+  };
+  const ConfigurationSpace space({{"a", Unit::kRadian, CoordinateKind::kAngle},
+                                  part("qx"),
+                                  part("qy"),
+                                  part("qz"),
+                                  part("qw")});
+  LocalProxy local(space);
+  ProxySnapshot held;
+  held.mode = ProxyMode::kHeld;
+  Anchor now;
+  for (std::uint64_t tick = 1; tick <= 3; ++tick) {
+    held.seq = tick < 3 ? 1 : 2;
+    held.x = (VecX(5) << (tick < 3 ? 3.0 : -3.0), 0.0, 0.0, 0.0, tick < 3 ? 1.0 : -1.0).finished();
+    if (tick == 3) held.x.tail<4>() << 0.0, 0.0, std::sin(-0.2), -std::cos(-0.2);
+    const VecX probe = VecX::Unit(5, 4);
+    local.step(held, {tick, 0.0, TimePoint{std::chrono::milliseconds(tick)}}, probe, now);
+  }
+  EXPECT_NEAR(now.x[0], 3.0 + (std::numbers::pi - 3.0), 1e-12) << "half of the way over pi";
+  EXPECT_NEAR(now.x[3], std::sin(0.1), 1e-12);
+  EXPECT_NEAR(now.x[4], std::cos(0.1), 1e-12);
 }
 
 TEST_F(LocalProxyTest, HeldFollowsWhereItWasFree) {

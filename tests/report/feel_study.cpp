@@ -36,9 +36,7 @@ core::PipelineConfig plain(core::PipelineConfig config) {
 }
 
 core::PipelineConfig unfiltered(core::PipelineConfig config) {
-  [](auto& any) {
-    if constexpr (requires { any.filter; }) any.filter = {};
-  }(config);
+  config.filter = {};
   return config;
 }
 

@@ -197,9 +197,10 @@ bool ProxyBound::grow(const Open& open, double off, const Remainder* left,
       const double bend = scale * left[i].bend_within(far);
       follows = follows && left[i].grows * far <= 1.0;
       c += 0.5 * scale * solver_.l()[i] * left[i].third_within(far);
-      if (open.gap[i] + 0.5 * bend * most * most <= open.room[i]) continue;
+      // On its way x may also touch what it does not touch here.
+      if (open.gap[i] + most + 0.5 * bend * most * most <= open.room[i]) continue;
       follows = follows && bend * far <= kMostFar;
-      c += 0.5 * bend * (open.involved == 1 ? 1.0 : kWedge);
+      c += 0.5 * bend * (open.involved == 1 && solver_.l()[i] > 0.0 ? 1.0 : kWedge);
     }
     const double root = stays * stays - 4.0 * c * off;
     if (!follows || root < 0.0) return false;

@@ -49,7 +49,7 @@ class ProxyBound {
   /// Beyond this share of its radius of curvature a displacement says nothing of the object.
   static constexpr double kMostBent = 0.5;
   /// And beyond this share of it the error itself says nothing.
-  static constexpr double kMostFar = 0.07;
+  static constexpr double kMostFar = 0.05;
 
   /// Frobenius norm of the curvature of contact i in W^-1.
   [[nodiscard]] double bend(int i) const noexcept;

@@ -118,8 +118,11 @@ void advance(const RttScene& scene, RttObject& object, double t, const core::Vec
 
 }  // namespace
 
-RttFigures run(const RttScene& scene, const RttRun& how,
+RttFigures run(const RttScene& given, const RttRun& how,
                const std::function<void(const RttTick&)>& observe) {
+  RttScene scene = given;
+  // `feel` tells what a low-pass against noise costs.
+  if (how.noise == SensorNoise::kNone) scene.pipeline.filter.sensed_lag = core::Duration::zero();
   const RttRun local{.rate_hz = 1000.0};
   const std::shared_ptr<RttObject> object = scene.object();
   test::PipelineLoop felt(holds_force(how.peer) ? without_tank(scene.pipeline) : scene.pipeline,

@@ -55,15 +55,6 @@ std::vector<core::ActuatorRatings> read_ratings(const Part<v1::LimitsScene>& par
   return ratings;
 }
 
-core::SensorFilter read_filter(const Part<v1::SensorFilterScene>& part, bool replay) {
-  const DurationRange range{core::Duration{0}, std::chrono::milliseconds(20)};
-  core::SensorFilter filter = core::kDefaultFilter;
-  if (replay) filter.sensed_lag = core::Duration{0};
-  filter.sensed_lag = part.duration("sensed_lag", filter.sensed_lag, range);
-  filter.rate_lag = part.duration("rate_lag", filter.rate_lag, range);
-  return filter;
-}
-
 /// The tracker gives the pose of the palm: needs a kinematics that has one.
 void read_tracker(const Part<v1::StalenessScene>& part, DeviceScene& device) {
   core::TrackerSettings tracker;
@@ -98,8 +89,7 @@ DeviceScene read_device(const Part<v1::DeviceScene>& part) {
   if (part->has_limits()) {
     pipeline.ratings = read_ratings(part.part<v1::LimitsScene>("limits"), n_a_of(device));
   }
-  pipeline.filter =
-      read_filter(part.part<v1::SensorFilterScene>("sensor_filter"), part->has_replay());
+  pipeline.filter = read_filter(part);
   if (part->has_tracker()) read_tracker(part.part<v1::StalenessScene>("tracker"), device);
   if (part->has_force_control()) {
     read_force_control(part.part<v1::ForceControlScene>("force_control"), device);

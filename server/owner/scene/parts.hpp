@@ -21,6 +21,8 @@ namespace haptic::server {
 /// source.cpp. Null if there is no source. `kinematics` null: it is wrong, sizes are not checked.
 [[nodiscard]] std::shared_ptr<const hw::DeviceConfig> read_source(
     const Part<v1::DeviceScene>& part, const core::Kinematics* kinematics);
+/// source.cpp. What a scene does not say depends on the source.
+[[nodiscard]] core::SensorFilter read_filter(const Part<v1::DeviceScene>& part);
 
 /// kinematics.cpp, mechanisms.cpp. Null if something is wrong.
 using SharedKinematics = std::shared_ptr<const core::Kinematics>;

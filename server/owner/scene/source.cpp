@@ -258,4 +258,15 @@ std::shared_ptr<const hw::DeviceConfig> read_source(const Device& device,
   return nullptr;
 }
 
+core::SensorFilter read_filter(const Device& device) {
+  const auto part = device.part<v1::SensorFilterScene>("sensor_filter");
+  const DurationRange range{core::Duration{0}, std::chrono::milliseconds(20)};
+  core::SensorFilter filter = core::kDefaultFilter;
+  // A recording is played as it is, unless the scene asks for a filter.
+  if (device->has_replay()) filter.sensed_lag = core::Duration{0};
+  filter.sensed_lag = part.duration("sensed_lag", filter.sensed_lag, range);
+  filter.rate_lag = part.duration("rate_lag", filter.rate_lag, range);
+  return filter;
+}
+
 }  // namespace haptic::server

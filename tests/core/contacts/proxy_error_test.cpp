@@ -272,7 +272,7 @@ TEST(ProxyError, IsUnknownIfWhatCurvesMoves) {
 /// A notch between two discs that are deep in each other has other minima.
 TEST(ProxyError, IsUnknownNextToAnotherMinimum) {
   const ConfigurationSpace space = line_space(2);
-  for (const double deep : {0.001, 0.02}) {
+  for (const double deep : {0.0003, 0.02}) {
     PlaneSet told = planes_of(2, 2);
     const double cosine = 0.8, sine = 0.6, R = 0.03;
     told.normals << sine, -sine, -cosine, -cosine;

@@ -192,7 +192,8 @@ TEST(DeviceOptions, ErrorsNamePlaceValueAndRule) {
       {kFinger, d + "passivity.device_damping_n_s_per_m=[1, 2]", "must have one value per"},
       {kFinger, d + "passivity.observer.inertia_kg[0]=0", "must be > 0"},
       {kFinger, d + "limits.power_w[0]=0", "must be > 0"},
-      {kFinger, d + "sensor_filter.sensed_lag={nanos: 20000001}", "must be 0 ms to 20 ms"},
+      {kFinger, d + "sensor_filter.sensed_lag={nanos: 20000001}",
+       " = 20.000001 ms: must be 0 ms to 20 ms"},
       {kFinger, d + "limits.power_w=[1, 2]", "must have one value per"},
       {kFinger, d + "limits.rate_m_per_s[0]=-1", "must be > 0"},
   });

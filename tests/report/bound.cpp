@@ -14,6 +14,7 @@ struct Options {
   int runs{10000};
   std::string kind{};
   std::uint64_t first{0};
+  double within{0.0};  ///< N
 };
 
 void print_all(const Options& options) {
@@ -21,6 +22,7 @@ void print_all(const Options& options) {
       "worst_run", "error_50_n", "bound_50_n", "error_95_n", "bound_95_n");
   const int each = std::max(1, options.runs / static_cast<int>(kBoundKinds.size()));
   long broken = 0;
+  double worst = 0.0;
   for (const BoundKind kind : kBoundKinds) {
     if (!chosen(options.kind, name(kind))) continue;
     BoundRuns all;
@@ -28,6 +30,7 @@ void print_all(const Options& options) {
       all.add(bound_run(kind, options.first + static_cast<std::uint64_t>(i)));
     }
     broken += all.broken_runs;
+    worst = std::max(worst, all.worst);
     const auto share = [](const std::vector<double>& values, double p) {
       return test::percentile(values, p);
     };
@@ -37,7 +40,7 @@ void print_all(const Options& options) {
         share(all.errors, 0.95), share(all.bounds, 0.95));
     std::fflush(stdout);
   }
-  if (broken > 0) {
+  if (broken > 0 && worst > options.within) {
     throw core::SceneError("bound: " + std::to_string(broken) + " runs break their bound");
   }
 }
@@ -48,13 +51,15 @@ void add_bound(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "bound", "Whether the error bound holds for random bodies behind a network");
   command->footer(
-      "Virtual time; the run's number draws all of it. Exit status 2 if a bound is broken. "
+      "Virtual time; the run's number draws all of it. Exit status 2 if a bound is broken by more "
+      "than --within. "
       "error_, bound_: median and 95 % of the ticks in contact that have a bound.");
   auto o = std::make_shared<Options>();
   command->add_option("--runs", o->runs, "of all kinds together (10000)")
       ->check(CLI::Range(1, 1000000));
   command->add_option("--kind", o->kind, "this one alone");
   command->add_option("--first", o->first, "number of the first run (0)");
+  command->add_option("--within", o->within, "N (0)")->check(CLI::NonNegativeNumber);
   command->callback([o] { print_all(*o); });
 }
 

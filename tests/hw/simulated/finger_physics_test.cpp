@@ -74,7 +74,8 @@ TEST(FingerPhysics, TheFirstStepFollowsNewton) {
   const Eigen::Vector2d x(30 * kDeg, 30 * kDeg), aim(40 * kDeg, 20 * kDeg);
   FingerPhysics physics(p, test::one_finger(), x);
   physics.step(1e-6, aim, 7.0);
-  // core/METHOD.md#finger-linkage prints J at (30, 30) deg; w is the first row of its inverse.
+  // tests/report/STUDY.md#poses-of-finger_sign_change prints J at (30, 30) deg; w is the first row
+  // of its inverse.
   Eigen::Matrix2d J;
   J << -47.670, -1.424, 78.460, 0.484;
   const Eigen::Vector2d w = J.inverse().row(0).transpose();

@@ -73,6 +73,7 @@ Weak grasp(const fs::path& motion, int last_ms) {
     client.step(1e-3 * ms, in.now, q, x, newest);
     if (ms == 400) ++in.command.engage_id;
     const core::TickRecord record = pipeline.tick(in, newest);
+    client.look_after(1e-3 * ms, record.sensed.q, record.anchor.x_probe);
     command.arm = record.life.arm;
     command.tau_a = record.effort.tau_a;
     device->write(in.now, command);

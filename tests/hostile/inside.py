@@ -240,7 +240,6 @@ MODES = [
          more={"user": USER}),
     Mode("blocking", "F1", SURVIVED, "blocking", ends=True),
     Mode("blocking_deaf", "F1", SURVIVED, "blocking deaf", ends=True),
-    Mode("pages", "F5", SURVIVED, "pages", 5.0),
     Mode("futexes", "F5", SURVIVED, "mapped", 4.0, ends=True),
     Mode("epolls", "new", SURVIVED, "epolls", 6.0, ends=True, after=unwatched),
     Mode("locks", "F1", SURVIVED, "locks"),

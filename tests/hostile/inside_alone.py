@@ -19,6 +19,14 @@ from signals import dirty
 STOPPED_S = 0.010  # from the answer to a local stop until there is no force
 
 
+def ends_late(daemon):
+    """SIGTERM must end it in time, with status 0."""
+    took, status = daemon.stop()
+    if took <= TERM_S and status == 0:
+        return []
+    return [f"SIGTERM: status {status} after {took:.1f} s"]
+
+
 def plays(folder, *commands):
     """The attacker plays the client that died. That is allowed within the limits; a local stop ends
     it, whatever else it does, and SIGTERM ends hapticd."""
@@ -46,9 +54,7 @@ def plays(folder, *commands):
         except OSError as why:
             wrong.append(f"local stop: {why}")
         time.sleep(2.0)
-        took, status = daemon.stop()
-        if took > TERM_S or status != 0:
-            wrong.append(f"SIGTERM: status {status} after {took:.1f} s")
+        wrong += ends_late(daemon)
     finally:
         controller.kill()
         daemon.kill()
@@ -148,9 +154,7 @@ def starts(folder):
             notes.append(f"{start}: {'never' if took is None else f'{took:.1f} s'}")
             if took is None or controller.engaged_within(5.0) is None:
                 wrong.append(f"{start}: not served, or no force again")
-        took, status = daemon.stop()
-        if took > TERM_S or status != 0:
-            wrong.append(f"SIGTERM: status {status} after {took:.1f} s")
+        wrong += ends_late(daemon)
     finally:
         controller.kill()
         daemon.kill()

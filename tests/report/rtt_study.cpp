@@ -118,18 +118,17 @@ void advance(const RttScene& scene, RttObject& object, double t, const core::Vec
 
 }  // namespace
 
-RttFigures run(const RttScene& given, const RttRun& how,
+RttFigures run(const RttScene& scene, const RttRun& how,
                const std::function<void(const RttTick&)>& observe) {
-  RttScene scene = given;
-  // `feel` tells what a low-pass against noise costs.
-  if (how.noise == SensorNoise::kNone) scene.pipeline.filter.sensed_lag = core::Duration::zero();
   const RttRun local{.rate_hz = 1000.0};
   const std::shared_ptr<RttObject> object = scene.object();
   test::PipelineLoop felt(holds_force(how.peer) ? without_tank(scene.pipeline) : scene.pipeline,
                           client_for(scene, scene.own ? scene.own() : object, how),
                           scene.device_damping);
-  test::PipelineLoop shadow(without_tank(scene.pipeline), client_for(scene, object, local),
-                            scene.device_damping);
+  core::PipelineConfig ideal_config = without_tank(scene.pipeline);
+  ideal_config.filter.sensed_lag = core::Duration::zero();  // it gets what came of that
+  test::PipelineLoop shadow(ideal_config, client_for(scene, object, local), scene.device_damping);
+  const bool quiet = how.noise == SensorNoise::kNone;
   const std::unique_ptr<RttBody> body = scene.body();
   const core::DofLayout& layout = scene.pipeline.kinematics->layout();
   Sensors sensors(how.noise, *scene.pipeline.kinematics, 1);
@@ -153,7 +152,7 @@ RttFigures run(const RttScene& given, const RttRun& how,
     q_a += way;
     book.add(tau, way, test::PipelineLoop::kTick_s);
     const core::TickRecord& record = felt.tick(sensors.read(body->q()));
-    const core::TickRecord& ideal = shadow.tick(body->q());
+    const core::TickRecord& ideal = shadow.tick(quiet ? record.sensed.q : body->q());
     const core::VecA control =
         how.peer == RttPeer::kTdpa ? damper.step(tau, way) : core::VecA::Zero(layout.n_a());
     tau = felt.tau_a() + control;

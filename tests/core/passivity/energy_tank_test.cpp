@@ -79,9 +79,9 @@ struct AnyClient {
   }
 };
 
-/// core/METHOD.md#energy-tank: whatever force is asked for, the sum of what was given stays within
-/// the tank's initial level up to what a sudden motion surprises it with: with late samples, noise
-/// of the sensor, contacts that switch, limits that act.
+/// core/METHOD.md#energy-tank: for every force that is asked for, the energy given stays within
+/// the tank's initial level and what a sudden motion surprises it with. Samples come late, the
+/// sensor is noisy, contacts switch and limits act.
 TEST(EnergyTank, NeverGivesMoreThanItHeld) {
   std::mt19937_64 random(23);
   std::normal_distribution<double> normal;

@@ -251,8 +251,8 @@ void reaches_out(Inside& in) {
   }
 }
 
-/// Sockets as the next front gets them: small buffers, a datagram that is not finished, and a user
-/// of this host who holds a copy.
+/// Leaves bad sockets to the next front: with small buffers, with a datagram that is not finished,
+/// and with a copy that a local user holds.
 void bequeaths(Inside& in) {
   const int little = 1, millisecond = 1;
   std::vector<int> heirlooms;

@@ -27,13 +27,8 @@ using Kind = Request::Kind;
 const std::string kNoText = "\xff\x80\x1b[31m\xc3(\x9b\r\n2026 forged line\xed\xa0\x80";
 
 ProxySample forged(std::uint32_t epoch, std::uint64_t seq) {
-  ProxySample sample;
+  ProxySample sample = held(epoch, seq);
   sample.ticket = Spy::kForged;
-  sample.epoch = epoch;
-  sample.seq = seq;
-  sample.arrival = server::steady_now();
-  sample.mode = core::ProxyMode::kHeld;
-  sample.position = {0.25, 0.5236};
   return sample;
 }
 
@@ -58,7 +53,7 @@ Request of_session(Kind kind, const SessionId& session) {
   return request;
 }
 
-/// Samples of other leases, numbers and devices, none of which may count.
+/// Samples of wrong leases, numbers and devices. The owner must refuse them all.
 void samples_of_others(Inside& in) {
   const std::uint32_t epoch = in.spy.epoch;
   constexpr std::uint64_t kHigh = std::uint64_t{1} << 50U;

@@ -89,33 +89,6 @@ void locks(Inside& in) {
   pause_until_over(in);
 }
 
-/// Holes, sizes, seals, protection and eviction of every shared page, again and again.
-void pages(Inside& in) {
-  const std::vector<int> shared = shared_pages(in);
-  while (in.goes_on()) {
-    for (const int fd : shared) {
-      struct stat status {};
-      fstat(fd, &status);
-      const auto bytes = static_cast<std::size_t>(status.st_size);
-      fallocate(fd, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0, status.st_size);
-      fallocate(fd, FALLOC_FL_ZERO_RANGE, 0, status.st_size);
-      static_cast<void>(ftruncate(fd, 0));
-      for (const int seal : {F_SEAL_WRITE, F_SEAL_FUTURE_WRITE, F_SEAL_SEAL}) {
-        fcntl(fd, F_ADD_SEALS, seal);
-      }
-      for (const int protection : {PROT_READ | PROT_WRITE, PROT_READ}) {
-        void* const mapped = mmap(nullptr, bytes, protection, MAP_SHARED, fd, 0);
-        if (mapped == MAP_FAILED) continue;
-        mprotect(mapped, bytes, PROT_READ | PROT_WRITE | PROT_EXEC);
-        for (const int advice : {MADV_REMOVE, MADV_PAGEOUT, MADV_COLD, MADV_DONTNEED}) {
-          madvise(mapped, bytes, advice);
-        }
-        munmap(mapped, bytes);
-      }
-    }
-  }
-}
-
 void tell(const char* what, int fd, int result) {
   const char* const how = result == 0 ? "done" : strerrorname_np(errno);
   answer(std::string(what) + " of " + std::to_string(fd) + ": " + how);
@@ -228,19 +201,9 @@ bool send_with(int socket, const std::vector<int>& descriptors, std::size_t byte
   return sendmsg(socket, &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
 }
 
-std::vector<int> shared_pages(const Inside& in) {
-  std::vector<int> found = in.given;
-  std::erase_if(found, [](int fd) { return fcntl(fd, F_GET_SEALS) < 0; });
-  return found;
-}
-
-const std::vector<Mode> kDescriptorModes{{"blocking", blocking},
-                                         {"setown", signals_by_descriptor},
-                                         {"locks", locks},
-                                         {"pages", pages},
-                                         {"epolls", epolls},
-                                         {"sockets", sockets},
-                                         {"rights", descriptors_to_owner},
+const std::vector<Mode> kDescriptorModes{{"blocking", blocking},  {"setown", signals_by_descriptor},
+                                         {"locks", locks},        {"epolls", epolls},
+                                         {"sockets", sockets},    {"rights", descriptors_to_owner},
                                          {"lingering", lingering}};
 
 }  // namespace haptic::hostile

@@ -72,8 +72,8 @@ void freeze_the_front();
 [[nodiscard]] bool is_tcp(int fd, std::uint8_t state);
 /// A message of zeros with descriptors. False: it was not sent.
 [[nodiscard]] bool send_with(int socket, const std::vector<int>& descriptors, std::size_t bytes);
-/// Shared memory among the descriptors that the owner gave.
-[[nodiscard]] std::vector<int> shared_pages(const Inside& in);
+/// A held proxy that presses as the controller of the suite does.
+[[nodiscard]] server::ProxySample held(std::uint32_t epoch, std::uint64_t seq);
 
 struct Mode {
   std::string_view name;

@@ -20,17 +20,6 @@ using server::ProxySample;
 using server::Request;
 using Kind = Request::Kind;
 
-/// Presses as the controller of the suite does.
-ProxySample held(std::uint32_t epoch, std::uint64_t seq) {
-  ProxySample sample;
-  sample.epoch = epoch;
-  sample.seq = seq;
-  sample.arrival = server::steady_now();
-  sample.mode = core::ProxyMode::kHeld;
-  sample.position = {0.25, 0.5236};
-  return sample;
-}
-
 /// Plays a client that is dead, for as long as the command says; asks to have its faults cleared
 /// too, locally if the owner believed it.
 void press_on(Inside& in, bool clears) {
@@ -153,6 +142,16 @@ void odd_sizes(Inside& in) {
 }
 
 }  // namespace
+
+ProxySample held(std::uint32_t epoch, std::uint64_t seq) {
+  ProxySample sample;
+  sample.epoch = epoch;
+  sample.seq = seq;
+  sample.arrival = server::steady_now();
+  sample.mode = core::ProxyMode::kHeld;
+  sample.position = {0.25, 0.5236};
+  return sample;
+}
 
 const std::vector<Mode> kLinkModes{{"pretend", pretend},
                                    {"operate", operate},

@@ -52,6 +52,7 @@ const core::TickRecord& PipelineLoop::tick(const core::VecQ& q) {
     proxy_.tenure = input_.command.tenure;
   }
   record_ = pipeline_.tick(input_, proxy_);
+  client_.look_after(time_s(), record_.sensed.q, record_.anchor.x_probe);
   tau_ = record_.effort.tau_a;
   return record_;
 }

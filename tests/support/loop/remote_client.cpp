@@ -7,6 +7,9 @@
 namespace haptic::test {
 namespace {
 
+constexpr double kTick_s = 1e-3;
+constexpr double kEarly = 1e-9;  // s: rounding of t_s must not make a sample a tick late
+
 /// A stamp of the sample's arrival, for the stream's health and its age.
 void stamp(core::TimePoint now, core::ProxySnapshot& proxy) {
   proxy.tenure = 1;
@@ -114,11 +117,18 @@ void RemoteClient::deliver(const Frame& frame, core::TimePoint now,
   stamp(now, proxy);
 }
 
+bool RemoteClient::is_time_to_look(double t_s) const noexcept {
+  return t_s + kEarly >= next_look_s_;
+}
+
+void RemoteClient::look_after(double t_s, const core::VecQ& q, const core::VecX& x_probe) {
+  if (settings_.delay_s >= kTick_s && is_time_to_look(t_s)) look(t_s, q, x_probe);
+}
+
 void RemoteClient::step(double t_s, core::TimePoint now, const core::VecQ& q,
                         const core::VecX& x_probe, core::ProxySnapshot& proxy) {
-  constexpr double kEarly = 1e-9;  // s: rounding of t_s must not make a sample a tick late
   ++tick_;
-  if (t_s + kEarly >= next_look_s_) look(t_s, q, x_probe);
+  if (settings_.delay_s < kTick_s && is_time_to_look(t_s)) look(t_s, q, x_probe);
   const auto arrived = [&](const Frame& frame) { return frame.arrives_s <= t_s + kEarly; };
   for (const Frame& frame : on_the_way_) {
     if (!arrived(frame) || frame.seq <= newest_.seq) continue;

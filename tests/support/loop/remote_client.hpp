@@ -75,11 +75,15 @@ class RemoteClient {
   explicit RemoteClient(ClientSettings settings);
 
   /// One tick at `t_s`: looks at the device if it is time to, and writes into `proxy` what has
-  /// arrived. `now` is the pipeline's clock; t_s never falls.
+  /// arrived. `now` is the pipeline's clock; t_s never falls. A client whose samples take a tick or
+  /// more looks in look_after() instead.
   void step(double t_s, core::TimePoint now, const core::VecQ& q, const core::VecX& x_probe,
             core::ProxySnapshot& proxy);
+  /// The end of that tick: the client sees the device as the pipeline's state tells it.
+  void look_after(double t_s, const core::VecQ& q, const core::VecX& x_probe);
 
  private:
+  [[nodiscard]] bool is_time_to_look(double t_s) const noexcept;
   void look(double t_s, const core::VecQ& q, const core::VecX& x_probe);
   void deliver(const Frame& frame, core::TimePoint now, core::ProxySnapshot& proxy) const;
   [[nodiscard]] bool tells_compliance() const noexcept {

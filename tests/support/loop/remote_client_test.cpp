@@ -24,6 +24,7 @@ TEST(RemoteClient, SamplesAreLateAndInOrder) {
       const double t = k * 1e-3;
       const VecX x = VecX::Constant(1, t);
       client.step(t, core::TimePoint(std::chrono::milliseconds(k)), x, x, proxy);
+      client.look_after(t, x, x);
       ASSERT_EQ(proxy.mode, proxy.seq > 0 ? ProxyMode::kHeld : ProxyMode::kNone);
       if (proxy.seq == 0) continue;
       ASSERT_GE(proxy.x[0], last);

@@ -1,10 +1,11 @@
 #pragma once
 /// The direction guard (core/METHOD.md#forces-at-the-finger): the elastic force must not point away
-/// from the proxy as the finger feels it, Eq. (15): tau_a^T (S J^+ dx) >= 0. Otherwise it is
-/// withheld. So is a force that pushes into a contact, tau_a^T (S J^+ out_i) < 0, but for the slack
-/// of the rule per contact: all of it deeper than contact_band(). EasedForce decides how fast it
-/// goes and comes. A map with several fingers is judged by the sum alone. If
-/// the map has blocks each is evaluated by itself; the J of a block with dx = 0 is not read.
+/// from the proxy as the finger feels it, Eq. (15): tau_a^T (S J^+ dx) >= 0. Otherwise the guard
+/// withholds all of it. It also withholds a force that pushes into a contact,
+/// tau_a^T (S J^+ out_i) < 0: a share that grows with the contact's depth, and all of it deeper
+/// than contact_band(), as in the rule per contact. EasedForce decides how fast the force goes and
+/// comes. A map with several fingers is judged by the sum alone. Each block of a map is evaluated
+/// by itself; the J of a block with dx = 0 is not read.
 
 #include <memory>
 #include <vector>

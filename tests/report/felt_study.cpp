@@ -105,7 +105,10 @@ FeltSums run(const FeltTrajectory& what, const FeltDevice& device, const FeltRun
   const core::PipelineConfig config = config_of(device, with.renderer);
   const double damping = device.finger.actuator_damping;
   test::PipelineLoop felt(config, client_of(what, with.client, with.network), damping);
-  test::PipelineLoop ideal(config, client_of(what, ClientKind::kPlanes, {1000.0, 0.0}), damping);
+  core::PipelineConfig unfiltered = config;
+  unfiltered.filter = {};
+  test::PipelineLoop ideal(unfiltered, client_of(what, ClientKind::kPlanes, {1000.0, 0.0}),
+                           damping);
   hw::FingerPhysics physics(device.finger, config.kinematics, what.aim(0.0));
   BestForce best(config.kinematics->space(), config.scene.stiffness[0],
                  config.scene.force_limit[0]);

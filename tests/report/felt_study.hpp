@@ -69,8 +69,8 @@ struct FeltRun {
 
 /// Sums over ticks, of torques at both joints squared, (N m)^2. Ideal: what a client that says in
 /// every tick where the object's planes are, without delay, would make of the same pose, with the
-/// same renderer and safeguards. Best: of what the device can give there, the nearest to the torque
-/// of a spring of Z_q at the actuator that pushes no contact in.
+/// same renderer and safeguards but no filters against noise. Best: of what the device can give
+/// there, the nearest to the torque of a spring of Z_q at the actuator that pushes no contact in.
 struct FeltSums {
   long ticks{0};       ///< of the motion
   long limited{0};     ///< of them: a limiter acted, here or on the ideal

@@ -33,8 +33,10 @@ core::PlaneSet derived(const Frame& frame) {
 
 }  // namespace
 
-RemoteClient::RemoteClient(ClientSettings settings)
-    : settings_(std::move(settings)), random_(settings_.seed) {}
+RemoteClient::RemoteClient(ClientSettings settings, bool filtered)
+    : settings_(std::move(settings)),
+      looks_first_(settings_.delay_s < kTick_s && !filtered),
+      random_(settings_.seed) {}
 
 void RemoteClient::put_proxy(Frame& frame) {
   if (settings_.simulate) return settings_.simulate(frame);
@@ -122,13 +124,13 @@ bool RemoteClient::is_time_to_look(double t_s) const noexcept {
 }
 
 void RemoteClient::look_after(double t_s, const core::VecQ& q, const core::VecX& x_probe) {
-  if (settings_.delay_s >= kTick_s && is_time_to_look(t_s)) look(t_s, q, x_probe);
+  if (!looks_first_ && is_time_to_look(t_s)) look(t_s, q, x_probe);
 }
 
 void RemoteClient::step(double t_s, core::TimePoint now, const core::VecQ& q,
                         const core::VecX& x_probe, core::ProxySnapshot& proxy) {
   ++tick_;
-  if (settings_.delay_s < kTick_s && is_time_to_look(t_s)) look(t_s, q, x_probe);
+  if (looks_first_ && is_time_to_look(t_s)) look(t_s, q, x_probe);
   const auto arrived = [&](const Frame& frame) { return frame.arrives_s <= t_s + kEarly; };
   for (const Frame& frame : on_the_way_) {
     if (!arrived(frame) || frame.seq <= newest_.seq) continue;

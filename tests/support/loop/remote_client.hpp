@@ -72,14 +72,16 @@ struct ClientSettings {
 
 class RemoteClient {
  public:
-  explicit RemoteClient(ClientSettings settings);
+  /// `filtered`: the state's pose is not the reading, because the pipeline filters it.
+  explicit RemoteClient(ClientSettings settings, bool filtered = false);
 
-  /// One tick at `t_s`: looks at the device if it is time to, and writes into `proxy` what has
-  /// arrived. `now` is the pipeline's clock; t_s never falls. A client whose samples take a tick or
-  /// more looks in look_after() instead.
+  /// One tick at `t_s`: writes into `proxy` what has arrived. `now` is the pipeline's clock; t_s
+  /// never falls. A client whose samples take less than a tick looks at the device first, if it is
+  /// time to and the reading is what the state would tell.
   void step(double t_s, core::TimePoint now, const core::VecQ& q, const core::VecX& x_probe,
             core::ProxySnapshot& proxy);
-  /// The end of that tick: the client sees the device as the pipeline's state tells it.
+  /// The end of that tick: any other client sees the device as the pipeline's state tells it. So a
+  /// sample without delay is used in the next tick, as of a client on loopback.
   void look_after(double t_s, const core::VecQ& q, const core::VecX& x_probe);
 
  private:
@@ -94,6 +96,7 @@ class RemoteClient {
   void put_proxy(Frame& frame);
 
   ClientSettings settings_;
+  bool looks_first_;  ///< in step()
   Random random_;
   std::shared_ptr<const core::ConfigurationSpace> space_{};  ///< of the first look
   std::optional<core::PlaneProjection> projection_{};

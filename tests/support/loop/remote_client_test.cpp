@@ -38,5 +38,20 @@ TEST(RemoteClient, SamplesAreLateAndInOrder) {
   }
 }
 
+TEST(RemoteClient, SeesWhatTheStateTells) {
+  const VecX reading = VecX::Constant(1, 1.0), told = VecX::Constant(1, 2.0);
+  for (const bool filtered : {false, true}) {
+    RemoteClient client({.stop = VecX::Constant(1, 1e9), .rate_hz = 1000.0, .jitter = 0.0},
+                        filtered);
+    ProxySnapshot proxy;
+    client.step(0.001, {}, reading, reading, proxy);
+    client.look_after(0.001, told, told);
+    ASSERT_EQ(proxy.seq, filtered ? 0u : 1u);
+    client.step(0.002, {}, reading, reading, proxy);
+    EXPECT_EQ(proxy.x, filtered ? told : reading);
+    EXPECT_EQ(proxy.seen_at, filtered ? 1u : 2u);
+  }
+}
+
 }  // namespace
 }  // namespace haptic::test

@@ -43,6 +43,9 @@ std::string read_plain_file(const std::filesystem::path& file, std::uintmax_t mo
   if (got < 0) why = std::string("cannot be read: ") + std::strerror(errno);
   close(opened);
   if (text.size() > most) why = "has more than " + std::to_string(most) + " bytes";
+  const bool wide = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
+  if (wide) why = "is UTF-16, must be UTF-8";
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   return why.empty() ? text : std::string();
 }
 

@@ -13,7 +13,7 @@ namespace haptic::hw {
 [[nodiscard]] int open_plain_file(const std::filesystem::path& file, std::uintmax_t most,
                                   std::string& why);
 
-/// Its content. Empty and `why` is set: as open_plain_file().
+/// Its content, without a byte order mark. Empty and `why` is set: as open_plain_file(), or UTF-16.
 [[nodiscard]] std::string read_plain_file(const std::filesystem::path& file, std::uintmax_t most,
                                           std::string& why);
 

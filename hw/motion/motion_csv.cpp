@@ -20,6 +20,11 @@ constexpr std::string_view kTime = "time_s";
 /// Limits of a time stamp, and of the whole recording: in nanoseconds both then fit an int64.
 constexpr double kLargestTime = 9e9;                  // s
 constexpr std::uintmax_t kLargestFile = 256U << 20U;  // bytes
+/// A row that stands for longer, on average, is hardly of a recording.
+constexpr double kLongestRow = 0.5;  // s
+/// No finger goes beyond: MCP and PIP flex by 1.75 and 1.83 rad (M. C. Hume et al., J. Hand Surg.
+/// 15A:240-243, 1990).
+constexpr double kLeastBend = -1.0, kMostBend = 2.2;  // rad
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r\n";
@@ -28,14 +33,41 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
 }
 
-std::vector<std::string_view> fields_of(std::string_view line) {
+/// Without the blanks and the quotes around it.
+std::string_view plain(std::string_view field) {
+  field = trimmed(field);
+  const bool quoted = field.size() > 1 && field.front() == field.back() &&
+                      (field.front() == '"' || field.front() == '\'');
+  return quoted ? trimmed(field.substr(1, field.size() - 2)) : field;
+}
+
+std::vector<std::string_view> fields_of(std::string_view line, char separator) {
   std::vector<std::string_view> fields;
   for (;;) {
-    const auto comma = line.find(',');
-    fields.push_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return fields;
-    line.remove_prefix(comma + 1);
+    const auto end = line.find(separator);
+    fields.push_back(plain(line.substr(0, end)));
+    if (end == std::string_view::npos) return fields;
+    line.remove_prefix(end + 1);
   }
+}
+
+/// Names of the columns, and what stands between two of them.
+struct Header {
+  char separator{','};
+  std::vector<std::string_view> names{};
+};
+
+Header header_of(std::string_view line) {
+  if (constexpr std::string_view kMark = "\xEF\xBB\xBF"; line.starts_with(kMark)) {
+    line.remove_prefix(kMark.size());
+  }
+  if (line.starts_with('#')) line.remove_prefix(1);  // as numpy.savetxt writes it
+  Header header;
+  for (const char other : {';', '\t'}) {
+    if (line.find(header.separator) == std::string_view::npos) header.separator = other;
+  }
+  header.names = fields_of(line, header.separator);
+  return header;
 }
 
 template <typename Names>
@@ -69,7 +101,10 @@ double number(const Place& place, std::string_view column, std::string_view text
   double value = 0.0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value)) {
-    place.fail(column, text, "must be a finite number");
+    place.fail(column, text,
+               text.find(',') == std::string_view::npos
+                   ? "must be a finite number"
+                   : "must be a finite number with a decimal point, not a comma");
   }
   return value;
 }
@@ -104,7 +139,22 @@ Selection select(const Place& place, const std::vector<std::string_view>& header
     expected +=
         (a == 0 ? "" : "; or ") + joined(selection.name) + " (missing: " + joined(missing) + ")";
   }
-  place.fail("columns found: " + joined(header) + "; expected " + expected);
+  place.fail("columns found: " + joined(header) + "; expected " + expected +
+             ", with commas, semicolons or tabs between them");
+}
+
+/// The values of a line, none of them without a column.
+std::vector<std::string_view> values_of(const Place& place, std::string_view line,
+                                        const Header& header) {
+  std::vector<std::string_view> values = fields_of(line, header.separator);
+  while (values.size() > header.names.size() && values.back().empty()) values.pop_back();
+  if (values.size() > header.names.size()) {
+    place.fail(std::to_string(values.size()) + " values in a line of " +
+               std::to_string(header.names.size()) +
+               " columns: decimal commas? Numbers must have a decimal point, and each column a "
+               "name in the header");
+  }
+  return values;
 }
 
 void add_row(const Place& place, const Selection& selection,
@@ -121,7 +171,8 @@ void add_row(const Place& place, const Selection& selection,
       table.values[c - 1].push_back(value);
       continue;
     }
-    if (std::abs(value) > kLargestTime) place.fail(name, text, "must lie within +-9e9 s");
+    if (std::abs(value) > kLargestTime)
+      place.fail(name, text, "must lie within +-9e9 s (ms, us or ns?)");
     if (table.time_s.empty()) first_time = value;
     const double time = value - first_time;
     if (time > kLargestTime) place.fail(name, text, "must be at most 9e9 s after the first row");
@@ -144,14 +195,39 @@ std::ifstream open_with_header(const Place& place, std::string& line) {
   std::ifstream in("/proc/self/fd/" + std::to_string(opened), std::ios::binary);
   close(opened);
   if (!std::getline(in, line)) place.fail("is empty; must have a header and at least 2 rows");
+  if (line.find('\0') != std::string::npos) place.fail("is UTF-16; must be saved as UTF-8");
+  if (line.find('\r') < line.size() - 1) place.fail("its lines end with CR; must end with LF");
   return in;
 }
 
-std::string_view without_mark(std::string_view header) {
-  if (constexpr std::string_view kMark = "\xEF\xBB\xBF"; header.starts_with(kMark)) {
-    header.remove_prefix(kMark.size());
+std::string decimal(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+/// Units other than those of the names of the columns, as far as they show: a sentence each.
+std::vector<std::string> doubts_about(const Place& place, const Selection& selection,
+                                      const MotionTable& table) {
+  std::vector<std::string> doubts;
+  const auto doubt = [&](const std::string& column, const std::string& what) {
+    doubts.push_back(place.file.string() + ": column " + column + ": " + what);
+  };
+  const double rows = static_cast<double>(table.time_s.size());
+  if (table.time_s.back() / (rows - 1.0) >= kLongestRow) {
+    doubt(std::string(kTime), decimal(rows) + " rows in " + decimal(table.time_s.back()) +
+                                  " s: milliseconds or microseconds? must be in s");
   }
-  return header;
+  for (std::size_t c = 0; c < table.values.size(); ++c) {
+    const std::string& name = selection.name[c + 1];
+    if (!name.ends_with("_rad")) continue;
+    const auto [least, most] = std::minmax_element(table.values[c].begin(), table.values[c].end());
+    if (*least >= kLeastBend && *most <= kMostBend) continue;
+    doubt(name, "values to " + decimal(*most > kMostBend ? *most : *least) +
+                    ": degrees? a finger's joints bend by " + decimal(kLeastBend) + " to " +
+                    decimal(kMostBend) + " rad");
+  }
+  return doubts;
 }
 
 }  // namespace
@@ -169,8 +245,8 @@ ColumnSet motion_columns(const std::filesystem::path& file) {
   Place place{file};
   std::string line;
   std::ifstream in = open_with_header(place, line);
-  const std::vector<std::string_view> names = fields_of(without_mark(line));
-  return {names.begin(), names.end()};
+  const Header header = header_of(line);
+  return {header.names.begin(), header.names.end()};
 }
 
 MotionTable read_motion_csv(const std::filesystem::path& file,
@@ -179,31 +255,40 @@ MotionTable read_motion_csv(const std::filesystem::path& file,
   std::string line;
   std::ifstream in = open_with_header(place, line);
   place.line = 1;
-  const Selection selection = select(place, fields_of(without_mark(line)), alternatives);
+  const std::string first = line;
+  const Header header = header_of(first);
+  const Selection selection = select(place, header.names, alternatives);
 
   MotionTable table{.alternative = selection.alternative};
   table.values.resize(selection.name.size() - 1);
   double first_time = 0.0;
   while (std::getline(in, line)) {
     ++place.line;
-    if (!trimmed(line).empty()) add_row(place, selection, fields_of(line), first_time, table);
+    if (trimmed(line).empty()) continue;
+    add_row(place, selection, values_of(place, line, header), first_time, table);
   }
   if (table.time_s.size() < 2) {
     Place{file}.fail("has " + std::to_string(table.time_s.size()) +
                      " row(s) below its header; must have at least 2");
   }
+  table.doubts = doubts_about(place, selection, table);
   return table;
 }
 
-void require_range(const MotionTable& table, std::size_t column, const std::string& name,
+void require_range(const MotionTable& table, std::size_t column, const core::DofSpec& dof,
                    double lower, double upper, const std::filesystem::path& file) {
+  const bool metres = dof.unit == core::Unit::kMetre;
+  const double other = metres ? 1e-3 : 0.017453292519943295;  // mm or degrees
   for (std::size_t row = 0; row < table.time_s.size(); ++row) {
     const double value = table.values[column][row];
     if (value >= lower && value <= upper) continue;
-    std::ostringstream text;
-    text << "column " << name << " = " << value << ": must lie within the device's range, " << lower
-         << " to " << upper;
-    Place{file, table.line[row]}.fail(text.str());
+    const bool fits = value * other >= lower && value * other <= upper;
+    Place{file, table.line[row]}.fail("column " + dof.name + " = " + decimal(value) +
+                                      ": must lie within the device's range, " + decimal(lower) +
+                                      " to " + decimal(upper) +
+                                      (!fits    ? ""
+                                       : metres ? " m: millimetres?"
+                                                : " rad: degrees?"));
   }
 }
 

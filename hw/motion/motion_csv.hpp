@@ -1,11 +1,14 @@
 #pragma once
-/// Reads recordings: CSV with a header line, a column time_s and columns of numbers. Accepts CRLF,
-/// a byte order mark, blank lines, extra columns (not looked at) and any order of columns.
+/// Reads recordings: CSV with a header line, a column time_s and columns of numbers. Accepts
+/// semicolons and tabs instead of commas, quotes, CRLF, a byte order mark, blank lines, extra
+/// columns (not looked at) and any order of columns.
 
 #include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include "haptic/core/model/kinematics.hpp"
 
 namespace haptic::hw {
 
@@ -20,6 +23,8 @@ struct MotionTable {
   std::vector<double> time_s{};               ///< from 0, strictly increasing by 1 ns or more
   std::vector<std::vector<double>> values{};  ///< by column of the set, then by row; finite
   std::vector<std::size_t> line{};            ///< line of the file a row stood on, from 1
+  /// For people: columns that look like degrees or milliseconds, with the largest value.
+  std::vector<std::string> doubts{};
 };
 
 /// A step of time longer than this is a gap in which nothing was measured, for example because a
@@ -34,14 +39,14 @@ inline constexpr double kLongestStep = 0.050;  // s
 
 /// The first of `alternatives` whose columns are all in `file`. Throws DeviceError naming the file,
 /// line, column, value and what is expected: no regular file, above 256 MB (said before any of it
-/// is read), empty, a column missing (with the columns found) or twice, not a finite number, time
-/// not increasing, fewer than 2 rows.
+/// is read), empty, UTF-16, a column missing (with the columns found) or twice, a line of more
+/// values than columns, not a finite number, time not increasing, fewer than 2 rows.
 [[nodiscard]] MotionTable read_motion_csv(const std::filesystem::path& file,
                                           const std::vector<ColumnSet>& alternatives);
 
-/// Throws DeviceError naming file, line, column and value unless every value of `column`, called
-/// `name`, lies within lower..upper.
-void require_range(const MotionTable& table, std::size_t column, const std::string& name,
+/// Throws DeviceError naming file, line, column and value unless every value of `column`, that of
+/// `dof`, lies within lower..upper; a value that would as millimetres or degrees is doubted.
+void require_range(const MotionTable& table, std::size_t column, const core::DofSpec& dof,
                    double lower, double upper, const std::filesystem::path& file);
 
 }  // namespace haptic::hw

@@ -74,13 +74,19 @@ Replay::Replay(const ReplayConfig& config, std::shared_ptr<const core::Kinematic
     turn_near(table.values, *kinematics_, Near::kZero);
     for (std::size_t c = 0; c < info_.dofs.size(); ++c) {
       const auto i = static_cast<Eigen::Index>(c);
-      require_range(table, c, info_.dofs[c].name, info_.limits.q_lower[i], info_.limits.q_upper[i],
+      require_range(table, c, info_.dofs[c], info_.limits.q_lower[i], info_.limits.q_upper[i],
                     config.file);
     }
     turn_near(table.values, *kinematics_, Near::kPreviousRow);
     cut_at_gaps(table.time_s, table.values, {});
   }
   info_.model = summary(config.file, facts_);
+  info_.notes = table.doubts;
+  if (2 * facts_.replaced > facts_.rows) {
+    info_.notes.push_back(config.file.string() + ": " + std::to_string(facts_.replaced) + " of " +
+                          std::to_string(facts_.rows) +
+                          " rows are outside the device's reach: replaced by the nearest pose");
+  }
   q_ = home_ = core::VecQ::Zero(kinematics_->layout().n_q());
 }
 

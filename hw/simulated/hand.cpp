@@ -73,6 +73,7 @@ DeviceInfo describe(const SimulatedHandConfig& c, const HandIntent& intent,
                                        std::to_string(c.fingers) + " fingers follow ";
     info.model += c.motion_file.filename().string();
   }
+  info.notes = intent.doubts();
   info.dofs = kinematics.dofs();
   info.limits = device_limits(kinematics, c.effort());
   return info;

@@ -1,6 +1,7 @@
 #include "hw/simulated/hand_intent.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "hw/motion/motion_csv.hpp"
 #include "hw/replay/tracked_orientation.hpp"
@@ -73,6 +74,7 @@ HandIntent::HandIntent(const HandLayout& layout, const core::VecQ& target,
     columns.insert(columns.end(), group.columns.begin(), group.columns.end());
   }
   MotionTable table = read_motion_csv(motion_file, {columns});
+  doubts_ = std::move(table.doubts);
 
   // The rows of all coordinates in the order of q; what has no columns keeps its course.
   Columns rows(course_.size(), std::vector<double>(table.time_s.size(), 0.0));
@@ -85,7 +87,7 @@ HandIntent::HandIntent(const HandLayout& layout, const core::VecQ& target,
     for (Eigen::Index i = group.first; i < last; ++i, ++column) {
       const core::DofSpec& dof = kinematics.dofs()[static_cast<std::size_t>(i)];
       if (layout.palm == group.first) {
-        require_range(table, column, dof.name, dof.lower, dof.upper, motion_file);
+        require_range(table, column, dof, dof.lower, dof.upper, motion_file);
       }
       rows[static_cast<std::size_t>(i)] = table.values[column];
       moved.push_back(i);

@@ -42,11 +42,14 @@ class HandIntent {
 
   /// How many fingers the file moves.
   [[nodiscard]] int recorded_fingers() const noexcept { return recorded_fingers_; }
+  /// MotionTable::doubts of the file.
+  [[nodiscard]] const std::vector<std::string>& doubts() const noexcept { return doubts_; }
 
  private:
   std::vector<Course> course_{};
   std::size_t recorded_{0};  ///< a course with the recording, if there is one
   int recorded_fingers_{0};
+  std::vector<std::string> doubts_{};
 };
 
 }  // namespace haptic::hw

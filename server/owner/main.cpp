@@ -52,7 +52,10 @@ struct CommandLine {
 void check_files(const haptic::server::Scene& scene) {
   for (const haptic::server::DeviceScene& device : scene.devices) {
     if (device.source->is_hardware()) continue;
-    static_cast<void>(device.source->open(device.pipeline.kinematics, {}));
+    const auto opened = device.source->open(device.pipeline.kinematics, {});
+    for (const std::string& note : opened->info().notes) {
+      std::cerr << "warning: " << device.name << ": " << note << "\n";
+    }
   }
   if (!scene.record) return;
   for (std::size_t i = 0; i < scene.devices.size(); ++i) {

@@ -29,6 +29,15 @@ TEST(PlainFile, IsReadUpToItsLimit) {
   EXPECT_THAT(why(file.path(), 9), HasSubstr("has 10 bytes, must have at most 9"));
 }
 
+TEST(PlainFile, OnlyUtf8IsRead) {
+  std::string said;
+  EXPECT_EQ(read_plain_file(test::TemporaryFile("\xEF\xBB\xBF#").path(), 10, said), "#");
+  EXPECT_EQ(said, "");
+  for (const char* mark : {"\xFF\xFE#", "\xFE\xFF#"}) {
+    EXPECT_EQ(why(test::TemporaryFile(mark).path()), "is UTF-16, must be UTF-8");
+  }
+}
+
 TEST(PlainFile, NothingElseIsReadOrAwaited) {
   const std::string pipe = testing::TempDir() + "pipe-" + std::to_string(getpid());
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);

@@ -57,6 +57,60 @@ TEST(MotionCsv, AcceptsWindowsFiles) {
   EXPECT_THAT(table.values[1], ElementsAre(2.0, 0.4));
 }
 
+TEST(MotionCsv, ReadsWhatSpreadsheetsWrite) {
+  for (const char* text :
+       {"time_s;l_x;q_B\n0;1;2\n0.1;3;4\n", "time_s\tl_x\tq_B\n0\t1\t2\n0.1\t3\t4\n",
+        "# time_s,l_x,q_B\n0,1,2\n0.1,3,4\n", "time_s,l_x,q_B,,\n0,1,2,,\n0.1,3,4,,,,\n",
+        "\"\",\"time_s\",\"l_x\",'q_B'\n\"1\",0,1,2\n\"2\",0.1,\"3\",4\n"}) {
+    const TemporaryFile file(text);
+    const MotionTable table = read(file);
+    EXPECT_THAT(table.values[0], ElementsAre(1.0, 3.0)) << text;
+    EXPECT_THAT(table.values[1], ElementsAre(2.0, 4.0)) << text;
+    EXPECT_THAT(table.doubts, testing::IsEmpty()) << text;
+  }
+}
+
+TEST(MotionCsv, NamesAnotherFormat) {
+  const std::string commas =
+      "motion.csv:2: 6 values in a line of 3 columns: decimal commas? Numbers must have a decimal "
+      "point, and each column a name in the header";
+  const std::string point = "must be a finite number with a decimal point, not a comma";
+  for (const auto& [text, sentence] : std::initializer_list<std::pair<std::string, std::string>>{
+           {"time_s,l_x,q_B\n0,0,1,1,2,2\n", commas},
+           {"time_s,l_x,q_B\n\"0,0\",\"1,1\",\"2,2\"\n", commas},
+           {"time_s,l_x,q_B\n1,0,1,2\n", "motion.csv:2: 4 values in a line of 3 columns"},
+           {"time_s;l_x;q_B\n0,5;1;2\n", "motion.csv:2: column time_s = '0,5': " + point},
+           {"time_s;l_x;q_B\n0;1.000,5;2\n", "motion.csv:2: column l_x = '1.000,5': " + point},
+           {"time_s l_x q_B\n0 1 2\n", ", with commas, semicolons or tabs between them"},
+           {"time_s,l_x,q_B\r0,1,2\r", "motion.csv: its lines end with CR; must end with LF"},
+           {std::string("\xFF\xFEt\0i\0m\0e\0", 10),
+            "motion.csv: is UTF-16; must be saved as UTF-8"},
+           {"time_s,l_x,q_B\n1.6e18,1,2\n",
+            "column time_s = '1.6e18': must lie within +-9e9 s (ms, us or ns?)"}}) {
+    EXPECT_THAT(error_of(text), HasSubstr(sentence)) << text;
+  }
+}
+
+TEST(MotionCsv, DoubtsOtherUnits) {
+  const auto doubts = [](const std::string& rows) {
+    const TemporaryFile file("time_s,q_o1_mcp_rad,q_o2_pip_rad\n" + rows);
+    return read(file).doubts;
+  };
+  const auto says = [](const std::string& sentence) {
+    return HasSubstr("motion.csv: " + sentence);
+  };
+  const std::string range = ": degrees? a finger's joints bend by -1 to 2.2 rad";
+  EXPECT_THAT(doubts("0,20,0.3\n0.01,54.3,0.3\n"),
+              ElementsAre(says("column q_o1_mcp_rad: values to 54.3" + range)));
+  EXPECT_THAT(doubts("0,0.2,-30\n0.01,0.2,1\n"),
+              ElementsAre(says("column q_o2_pip_rad: values to -30" + range)));
+  for (const char* unit : {"0,0,0\n10,0,0\n20,0,0\n", "0,0,0\n10000,0,0\n20000,0,0\n"}) {
+    EXPECT_THAT(doubts(unit), ElementsAre(says("column time_s: 3 rows in 2"))) << unit;
+    EXPECT_THAT(doubts(unit).front(), HasSubstr(" s: milliseconds or microseconds? must be in s"));
+  }
+  EXPECT_THAT(doubts("0,-0.9,2.1\n0.45,0,0\n"), testing::IsEmpty());
+}
+
 TEST(MotionCsv, SaysWhatIsWrongAndWhere) {
   const std::string begin = "time_s,l_x,q_B\n";
   const std::pair<std::string, std::vector<std::string>> table[] = {

@@ -195,6 +195,26 @@ TEST(Replay, RefusesAnImpossibleState) {
               AllOf(HasSubstr("motion.csv:3"), HasSubstr("= 0.2"), HasSubstr("-0.0025 to 0.0525")));
 }
 
+TEST(Replay, DoubtsUnitsOfStates) {
+  const auto says = [](const char* rows, const char* sentence) {
+    const TemporaryFile file(states(rows));
+    EXPECT_THAT(
+        test::message_of<core::DeviceError>([&] { return Replay(playing(file), finger()); }),
+        AllOf(HasSubstr("motion.csv:2: column"), HasSubstr(sentence)));
+  };
+  says("0,20,0\n1,20,0\n",
+       "l_x = 20: must lie within the device's range, -0.0025 to 0.0525 m: "
+       "millimetres?");
+  says("0,0.01,40\n1,0.01,40\n", " rad: degrees?");
+  const TemporaryFile degrees(angles("0,30,30\n0.01,40,30\n"));
+  const Replay device(playing(degrees), finger());
+  ASSERT_EQ(device.info().notes.size(), 3u);
+  EXPECT_THAT(device.info().notes[0], HasSubstr("q_o1_mcp_rad: values to 40: degrees?"));
+  EXPECT_THAT(
+      device.info().notes[2],
+      HasSubstr("2 of 2 rows are outside the device's reach: replaced by the nearest pose"));
+}
+
 TEST(Replay, AllowsNoiseAtAStop) {
   const TemporaryFile file(states("0,-0.001,0\n0.01,0.0505,0\n"));
   EXPECT_NO_THROW(Replay(playing(file), finger()));

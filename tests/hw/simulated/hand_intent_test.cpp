@@ -72,7 +72,7 @@ TEST(HandIntent, QuaternionsMayTurnThroughPi) {
 
 TEST(HandIntent, NamesWhatAFileLacks) {
   const std::string zeros = "\n0,0,0,0,0,0\n1,0,0,0,0,0\n";
-  EXPECT_EQ(error_of("time_s,palm.x,palm.y,palm.z" + zeros), "no error");
+  EXPECT_EQ(error_of("time_s,palm.x,palm.y,palm.z,a,b" + zeros), "no error");
   EXPECT_THAT(error_of("time_s,index.q_o1_mcp_rad" + zeros),
               HasSubstr("(missing: index.q_o2_pip_rad)"));
   EXPECT_THAT(error_of("time_s,palm.x,palm.z" + zeros), HasSubstr("(missing: palm.y)"));

@@ -5,9 +5,11 @@
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
+#include <sched.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <functional>
@@ -73,6 +75,8 @@ class StderrSink final : public spdlog::sinks::base_sink<spdlog::details::null_m
   void flush_() override {}
 };
 
+std::atomic<pid_t> log_thread{0};
+
 /// Never destroyed: the destructor would join a thread that may wait for a reader for ever.
 std::shared_ptr<spdlog::details::thread_pool>& pool() {
   static auto* const lines = new std::shared_ptr<spdlog::details::thread_pool>(
@@ -80,6 +84,7 @@ std::shared_ptr<spdlog::details::thread_pool>& pool() {
         // This thread starts before main blocks the signals; without a block of its own a signal
         // that main cannot take at once would end the process here.
         set_thread_up("haptic-log");
+        log_thread.store(gettid());
       }));
   return *lines;
 }
@@ -116,6 +121,11 @@ void log_to_stderr(LogFormat format) {
       std::make_shared<spdlog::async_logger>("hapticd", std::make_shared<StderrSink>(), pool(),
                                              spdlog::async_overflow_policy::overrun_oldest));
   spdlog::set_formatter(log_formatter(format, stderr_is_journal()));
+}
+
+void log_in_realtime() {
+  const sched_param lowest{1};
+  if (const pid_t thread = log_thread.load()) sched_setscheduler(thread, SCHED_FIFO, &lowest);
 }
 
 void finish_log() {

@@ -30,6 +30,10 @@ enum class LogFormat : std::uint8_t { kText, kJson, kBare };
 /// Makes standard error spdlog's default logger. Lines go through a queue to a thread of their own;
 /// if the queue is full, the oldest lines are dropped.
 void log_to_stderr(LogFormat format);
+/// SCHED_FIFO at the lowest priority for the log's thread. It holds the queue's lock while it takes
+/// a line out, and a real-time thread that logs must not wait for the ordinary programs that would
+/// interrupt it then.
+void log_in_realtime();
 /// Waits a moment for the last lines to be read, and logs how many were dropped. After it the
 /// process may end even if the log's thread is still blocked in a write.
 void finish_log();

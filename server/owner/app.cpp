@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "hw/device_config.hpp"
+#include "server/base/log.hpp"
 #include "server/base/steady_now.hpp"
 #include "server/base/version.hpp"
 #include "server/owner/telemetry/tick_metrics.hpp"
@@ -65,6 +66,7 @@ void App::start() {
         loop.period);
     realtime_ = loop_->grant();
     log_grant(realtime_.facts);
+    if (realtime_.facts.sched_fifo) log_in_realtime();
     open_devices();
     telemetry_ = std::make_unique<Telemetry>(pointers(units_));
     telemetry_->allow_watching(realtime_.facts.sched_fifo &&
@@ -120,8 +122,9 @@ void App::listen_to_devices() {
     if (!scene_.record) continue;
     const NewFile file = create_file(record_file(scene_, i), scene_.record->overwrite);
     spdlog::info("{}: recorded in {}", device.name, file.path.string());
-    recorders_.push_back(std::make_unique<Recorder>(
-        file, *device.pipeline.kinematics, owner_->newest(i), comparison(*scene_.record, device)));
+    recorders_.push_back(
+        std::make_unique<Recorder>(file, *device.pipeline.kinematics, owner_->newest(i),
+                                   comparison(*scene_.record, device), realtime_.facts.sched_fifo));
     telemetry_->add(i, recorders_.back().get());
   }
 }

@@ -186,12 +186,13 @@ class Daemon:
         return time.monotonic() - began, self.process.returncode
 
     def realtime(self):
-        """Whether a thread of the owner has SCHED_FIFO."""
+        """The names of the owner's threads that have SCHED_FIFO."""
+        names = set()
         with contextlib.suppress(OSError):
             for stat in pathlib.Path(f"/proc/{self.pid}/task").glob("*/stat"):
-                if stat.read_text().rsplit(")", 1)[1].split()[38] == "1":
-                    return True
-        return False
+                before, after = stat.read_text().rsplit(")", 1)
+                names |= {before.split("(", 1)[1]} if after.split()[38] == "1" else set()
+        return names
 
     def kill(self):
         if self.process.poll() is None:
@@ -269,6 +270,7 @@ class Probe:
             thread.start()
 
     def memory(self):
+        in_time()  # as all of this process: the others wait while it has the interpreter
         looked, fronts = 0.0, []
         while self.running:
             if time.monotonic() > looked + 0.3:
@@ -308,6 +310,7 @@ class Controller:
         self.thread.start()
 
     def listen(self):
+        in_time()
         for line in self.process.stdout:
             if line.startswith("ENDED"):
                 self.ended, self.state = self.ended + 1, ""

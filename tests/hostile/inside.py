@@ -165,7 +165,11 @@ def restarts(daemon, said):
 
 
 def every_tick(daemon, said):
-    """The recording lacks none, however busy the front keeps the host."""
+    """The recording lacks none, and neither it nor the log waits, however busy the front keeps the
+    host."""
+    fifo = daemon.realtime()
+    if fifo and not {"haptic-record", "haptic-log"} <= fifo:
+        return [f"recording or log waits for ordinary programs: {fifo}"]
     ticks = read_record(daemon.record)
     lost = sum(now.seq - before.seq - 1 for before, now in zip(ticks, ticks[1:]))
     return [f"{lost} ticks are not recorded"] if lost else []
@@ -301,7 +305,8 @@ def several(daemon):
             time.sleep(0.2)
     time.sleep(4.0)
     kill_fronts(daemon)
-    return {"notes": [" ".join(mode.name for mode in chosen)]}
+    return {"notes": [" ".join(mode.name for mode in chosen)],
+            "silent": any(mode.more.get("silent") for mode in chosen)}
 
 
 def without_times(folder, mode, user=None):

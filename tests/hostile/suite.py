@@ -74,12 +74,13 @@ def answer_of(child, pipe, seconds):
 
 def attacked(row, daemon):
     """The answers of the attack, again and again until it lasted for LEAST_S, as one."""
-    whole, began = {"sent": 0, "wrong": [], "notes": []}, time.monotonic()
+    whole, began = {"sent": 0, "wrong": [], "notes": [], "silent": False}, time.monotonic()
     while True:
         answer = answer_of(*in_child(row.attack, daemon), row.seconds)
         whole["sent"] += answer.get("sent", 0)
         whole["wrong"] += answer.get("wrong", [])
         whole["notes"] = answer.get("notes", [])
+        whole["silent"] |= answer.get("silent", False)
         enough = time.monotonic() > began + LEAST_S or whole["sent"] > MOST_SENT
         if enough or whole["wrong"] or daemon.process.poll() is not None:
             return whole
@@ -104,7 +105,7 @@ def attack(row, folder):
     daemon = Daemon(folder, *row.options, server=row.server, limits=few, web=row.web,
                     user=row.user,
                     env=inside.environment(folder, row.landlock) if row.inside else None)
-    m.realtime = daemon.realtime()
+    m.realtime = bool(daemon.realtime())
     controller = Controller(daemon.address)
     try:
         if controller.engaged_within(20.0) is None:
@@ -152,7 +153,7 @@ def attack(row, folder):
         m.quiet_skipped = round(m.quiet_skipped * m.seconds / (quiet_ended - quiet_began))
         m.skipped = skipped(ticks, began, ended)
         m.lost = losses(ticks, began, ended)
-        m.false_alarm = not row.silent and SILENT_FRONT in daemon.text()
+        m.false_alarm = not (row.silent or answer["silent"]) and SILENT_FRONT in daemon.text()
     finally:
         controller.kill()
         daemon.kill()

@@ -1,6 +1,5 @@
 #include "server/owner/link/front_link.hpp"
 
-#include <sched.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -81,9 +80,7 @@ std::vector<std::string> FrontLink::addresses() const {
 }
 
 void FrontLink::run() noexcept {
-  set_thread_up("front link");
-  const sched_param lowest{1};
-  if (config_.realtime) sched_setscheduler(0, SCHED_FIFO, &lowest);
+  set_thread_up("front link", config_.realtime);
   bool told_to_leave = false;
   for (;;) {
     turn();

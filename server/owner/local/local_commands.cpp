@@ -1,6 +1,5 @@
 #include "server/owner/local/local_commands.hpp"
 
-#include <sched.h>
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -51,9 +50,7 @@ void LocalCommands::stop() {
 }
 
 void LocalCommands::run(bool realtime) noexcept {
-  set_thread_up("local control");
-  const sched_param lowest{1};
-  if (realtime) sched_setscheduler(0, SCHED_FIFO, &lowest);
+  set_thread_up("local control", realtime);
   core::TimePoint window{};
   core::Duration busy{0};
   while (!stopping_.load()) {

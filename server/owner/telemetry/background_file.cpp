@@ -68,12 +68,12 @@ struct BackgroundFile::Shared {
   bool over{false};   ///< the thread is through
 };
 
-BackgroundFile::BackgroundFile(const NewFile& file, Write write)
+BackgroundFile::BackgroundFile(const NewFile& file, bool realtime, Write write)
     : shared_(std::make_shared<Shared>(file)) {
   if (!write) write = ::write;
-  std::thread([shared = shared_, write = std::move(write)] {
+  std::thread([shared = shared_, realtime, write = std::move(write)] {
     // Blocks SIGXFSZ too: at the limit of the file's size a write fails and nothing is killed.
-    set_thread_up("haptic-record");
+    set_thread_up("haptic-record", realtime);
     serve(shared, write);
   }).detach();
 }

@@ -21,8 +21,9 @@ class BackgroundFile {
   /// Bytes that may wait for a slow disk: some ten seconds of a finger's rows.
   static constexpr std::size_t kMostWaiting = 8 << 20;
 
-  /// Takes the descriptor over, and closes it in the end.
-  explicit BackgroundFile(const NewFile& file, Write write = {});
+  /// Takes the descriptor over, and closes it in the end. `realtime`: the thread does not wait for
+  /// ordinary programs, so that no more memory is needed next to many that compute.
+  explicit BackgroundFile(const NewFile& file, bool realtime = false, Write write = {});
   /// Writes what waits and closes. A disk that does not take it within a second is left alone with
   /// it.
   ~BackgroundFile();

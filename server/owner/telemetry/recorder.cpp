@@ -120,12 +120,13 @@ std::string Recorder::header(const core::Kinematics& kinematics, bool compare) {
 }
 
 Recorder::Recorder(const NewFile& file, const core::Kinematics& kinematics,
-                   const v1::DeviceState& state, std::unique_ptr<RendererComparison> comparison)
+                   const v1::DeviceState& state, std::unique_ptr<RendererComparison> comparison,
+                   bool realtime)
     : labels_(labels_of(kinematics)),
       leaves_(schema::leaves(*v1::DeviceState::descriptor())),
       comparison_(std::move(comparison)),
       state_(state),
-      file_(file) {
+      file_(file, realtime) {
   static_cast<void>(file_.append(header(kinematics, comparison_ != nullptr) + '\n'));
 }
 

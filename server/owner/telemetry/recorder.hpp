@@ -38,9 +38,9 @@ namespace haptic::server {
 class Recorder final : public RecordListener {
  public:
   /// Takes `file` over. `state`: of the record that comes next, each time. `comparison` absent: no
-  /// columns of the other renderers.
+  /// columns of the other renderers. `realtime`: of the thread that writes (background_file.hpp).
   Recorder(const NewFile& file, const core::Kinematics& kinematics, const v1::DeviceState& state,
-           std::unique_ptr<RendererComparison> comparison = nullptr);
+           std::unique_ptr<RendererComparison> comparison = nullptr, bool realtime = false);
   /// Writes what is left and closes. The recorder must have been removed from the telemetry.
   ~Recorder() override;
   Recorder(const Recorder&) = delete;

@@ -1,6 +1,5 @@
 #include "server/owner/telemetry/telemetry.hpp"
 
-#include <sched.h>
 #include <sys/prctl.h>
 
 #include <algorithm>
@@ -37,13 +36,8 @@ void Telemetry::stop() {
 }
 
 void Telemetry::serve() noexcept {
-  set_thread_up("telemetry");
-  if (may_watch_) {
-    prctl(PR_SET_TIMERSLACK, 1UL, 0, 0, 0);  // it has an appointment with the loop
-    // The lowest priority of real time: the answer to a stop does not wait for ordinary programs.
-    const sched_param lowest{1};
-    sched_setscheduler(0, SCHED_FIFO, &lowest);
-  }
+  set_thread_up("telemetry", may_watch_);
+  if (may_watch_) prctl(PR_SET_TIMERSLACK, 1UL, 0, 0, 0);  // it has an appointment with the loop
   for (;;) {
     const std::uint32_t heard = bell_.rings();
     const bool last_round = stopping_.load();

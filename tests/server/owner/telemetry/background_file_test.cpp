@@ -52,7 +52,7 @@ TEST(BackgroundFile, HangingDiskBlocksNoAppend) {
   const test::TemporaryFile scratch;
   const auto hang = std::make_shared<Hang>();
   auto file =
-      std::make_unique<BackgroundFile>(create_file(scratch.path(), true), hang->write(hang));
+      std::make_unique<BackgroundFile>(create_file(scratch.path(), true), false, hang->write(hang));
   const std::string text(4096, 'x');
   const auto begin = Clock::now();
   std::size_t taken = 0;
@@ -100,7 +100,7 @@ TEST(BackgroundFile, FullDiskLeavesWholeLines) {
         std::pair{3, "ab\n"}, std::pair{2, ""}, std::pair{0, ""}}) {
     const test::TemporaryFile scratch;
     {
-      BackgroundFile file(create_file(scratch.path(), true),
+      BackgroundFile file(create_file(scratch.path(), true), false,
                           disk_of(static_cast<std::size_t>(room)));
       for (const char* line : {"ab\n", "cdef\n", "ghi\n"}) ASSERT_TRUE(file.append(line));
     }

@@ -1,11 +1,11 @@
 #include "server/base/log.hpp"
 
+#include <sched.h>
 #include <spdlog/async.h>
 #include <spdlog/details/null_mutex.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
-#include <sched.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Attacks from inside the front on Debian 12's own kernel, which is older than many a host's: boots
 # it in QEMU (no KVM, so no times are judged) with the built programs in its first file system, and
-# prints a table. Ten minutes.
+# prints a table. Fifteen minutes.
 #
 #   tests/hostile/kernel.sh [--build FOLDER] [--image PACKAGE]
 #
@@ -58,7 +58,7 @@ chmod 600 files/etc/shadow
 (cd files && find . -print0 | cpio --null --create --format=newc --quiet) | gzip -1 >files.img
 rm -rf files
 
-timeout 1200 qemu-system-x86_64 -accel tcg,thread=multi -cpu max -smp 2 -m 2048 -nic none \
+timeout 2400 qemu-system-x86_64 -accel tcg,thread=multi -cpu max -smp 2 -m 2048 -nic none \
   -nographic -no-reboot -kernel boot/vmlinuz-* -initrd files.img \
   -append "console=ttyS0 quiet panic=-1" </dev/null | stdbuf -oL tr -d '\r' | tee console |
   sed -un 's/^.*row: //p'

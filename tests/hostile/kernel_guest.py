@@ -14,8 +14,9 @@ import traceback
 sys.path.insert(0, "/suite")
 os.environ.update(PATH="/usr/bin", HAPTICD="/usr/bin/hapticd", HAPTICCTL="/usr/bin/hapticctl",
                   HAPTIC_FRONT_ATTACKER="/usr/bin/haptic-front-attacker")
-NAMES = ("calls", "setown", "blocking_deaf", "pages", "sockets_shut", "rights", "clears",
-         "memory_memfd", "dies_abort", "log")
+NAMES = {"calls", "setown", "blocking_deaf", "futexes", "sockets_shut", "sockets_filter",
+         "sockets_link", "rights", "lingering", "clears", "memory_memfd", "threads", "limits",
+         "zombie", "closes_link", "reaches", "dies_abort", "log"}
 POWER_OFF = 0x4321FEDC
 
 
@@ -41,10 +42,12 @@ def main():
     failed = 0
     try:
         import inside
+        modes = [mode for mode in inside.MODES if mode.name in NAMES]
+        assert len(modes) == len(NAMES), NAMES - {mode.name for mode in modes}
         landlock = libc.syscall(444, None, 0, 1)
         say(f"Linux {os.uname().release}, Landlock {max(landlock, 0)}")
         for user in (None, inside.USER):
-            for mode in (mode for mode in inside.MODES if mode.name in NAMES):
+            for mode in modes:
                 began = time.monotonic()
                 wrong, notes, log = inside.without_times(f"/tmp/{mode.name}-{user}", mode, user)
                 for line in log.splitlines():

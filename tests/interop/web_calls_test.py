@@ -137,6 +137,13 @@ class Calls(unittest.TestCase):
                 self.assertEqual(self.reason(json.loads(answer.body)), "HOST")
                 self.assertNotIn("set-cookie", answer.fields)
 
+    def test_a_second_name_is_refused(self):
+        own = f"127.0.0.1:{self.server.web[1]}"
+        for fields, host in (({}, f"{own}\r\nHost: rebound.example"),
+                             ({"Origin": f"http://{own}\r\nOrigin: http://rebound.example"}, own)):
+            answer = self.ask("GET", "/healthz", fields, host=host)
+            self.assertEqual((answer.status, b" twice" in answer.body), (400, True), answer)
+
     def test_only_pages_of_its_own_and_listed_origins(self):
         own = f"http://127.0.0.1:{self.server.web[1]}"
         host = own[7:]

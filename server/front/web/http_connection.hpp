@@ -68,6 +68,10 @@ class HttpConnection final : public WebConnection,
     }
     if (error) return;  // gone, or too slow
     peer_.peer.account->call(bytes);
+    for (const http::field judged : {http::field::host, http::field::origin}) {
+      if (head().count(judged) < 2) continue;
+      return refuse_head(http::status::bad_request, std::string(to_string(judged)) + " twice\n");
+    }
     if (peer_.use == FrontConfig::Use::kMetrics) return answer_scrape();
     const Visitor visitor = this->visitor();
     if (const auto strange = shared_.gate.stranger(visitor)) return refuse(*strange);

@@ -214,14 +214,15 @@ def control(daemon, *words, timeout=5.0):
 
 @dataclasses.dataclass(frozen=True)
 class Way:
-    """How a stop is asked for: its limit, how often it is tried, and the percentile that must keep
-    the limit."""
+    """How a stop is asked for: its limit, how often it is tried, the percentile that must keep the
+    limit, and what all rows together must keep."""
     limit_s: float
     every_s: float
     share: float
+    longest_s: float
 
 
-STOP = Way(0.010, 0.010, 0.99)  # from connect to answer of the local control socket
+STOP = Way(0.010, 0.010, 0.99, 0.050)  # from connect to answer of the local control socket
 
 
 def asked_locally(daemon, words):

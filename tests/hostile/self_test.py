@@ -18,6 +18,7 @@ from judge import (Measured, Tick, failures, judge_ticks, median_interval, read_
                    skips_allowed)
 from rows import ROWS
 from signals import DIRTY, dirty
+from suite import all_rows
 
 HERE = pathlib.Path(__file__).parent
 MS = 1_000_000
@@ -136,6 +137,11 @@ class Verdict(unittest.TestCase):
         self.assertGreater(median_interval([1.0, 2.0, 3.0] * 10)[1], 0.0)
         median, low, high = median_interval([-1.0, 0.0, 1.0] * 10)
         self.assertTrue(low <= median <= high and low <= 0.0)
+
+    def test_one_stop_that_took_too_long_is_seen(self):
+        for longest, verdict in ((0.049, "held"), (0.051, "FAILED")):
+            stops = good(stops=[0.001] * 200 + [longest], punctual=True)
+            self.assertEqual([line[5] for line in all_rows([(ROWS[0], stops)])], [verdict])
 
 
 class Rows(unittest.TestCase):

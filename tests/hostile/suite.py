@@ -242,10 +242,12 @@ def all_rows(measured):
              "FAILED" if low > 0.0 else "held")
     stops = [stop for row, m in measured if m.punctual and not row.must_fail for stop in m.stops]
     if len(stops) >= 100:
-        half, late = 1e3 * statistics.median(stops), 1e3 * late_stop(stops)
-        line("all_stops", f"p{100 * STOP.share:.0f} at most {1e3 * STOP.limit_s:.0f} ms",
-             f"p50 {half:.1f}, p{100 * STOP.share:.0f} {late:.1f} ms of {len(stops)}",
-             "FAILED" if late > 1e3 * STOP.limit_s else "held")
+        late, longest = late_stop(stops), max(stops)
+        line("all_stops", f"p{100 * STOP.share:.0f} at most {1e3 * STOP.limit_s:.0f} ms, each at "
+             f"most {1e3 * STOP.longest_s:.0f}",
+             f"p50 {1e3 * statistics.median(stops):.1f}, p{100 * STOP.share:.0f} "
+             f"{1e3 * late:.1f}, longest {1e3 * longest:.1f} ms of {len(stops)}",
+             "FAILED" if late > STOP.limit_s or longest > STOP.longest_s else "held")
     return lines
 
 

@@ -61,7 +61,7 @@ class Shadow {
             .devices.front();
     const auto device = scene.source->open(scene.pipeline.kinematics, std::chrono::seconds(5));
     core::PipelineConfig config = server::pipeline_config(scene, device->info().limits);
-    config.filter.sensed_lag = core::Duration::zero();  // the recording has what came of that
+    config.filter = {.rate_lag = config.filter.rate_lag};  // the recording has what came of them
     return config;
   }
 

@@ -126,7 +126,7 @@ RttFigures run(const RttScene& scene, const RttRun& how,
                           client_for(scene, scene.own ? scene.own() : object, how),
                           scene.device_damping);
   core::PipelineConfig ideal_config = without_tank(scene.pipeline);
-  ideal_config.filter.sensed_lag = core::Duration::zero();  // it gets what came of that
+  ideal_config.filter = {.rate_lag = ideal_config.filter.rate_lag};  // it gets what came of them
   test::PipelineLoop shadow(ideal_config, client_for(scene, object, local), scene.device_damping);
   const bool quiet = how.noise == SensorNoise::kNone;
   const std::unique_ptr<RttBody> body = scene.body();

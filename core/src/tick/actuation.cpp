@@ -128,7 +128,9 @@ void Actuation::drive(const Beat& beat, const Sensed& sensed, bool wanted,
     force_control_->step(effort.tau_a, known ? sensed.tau_measured : VecA{}, seconds(beat.dt),
                          drive_limits_);
   } else {
-    force_control_->rest(layout_.select(sensed.q));
+    VecA q_a = layout_.select(sensed.q);
+    if (sensed.ahead.size() > 0) q_a += sensed.ahead;
+    force_control_->rest(q_a);
   }
   effort.drive = force_control_->drive();
   effort.position = force_control_->position();

@@ -40,7 +40,7 @@ Derating::Derating(const PipelineConfig& config, std::shared_ptr<const Stiffness
       device_damping_(config.passivity.device_damping),
       inertia_(config.passivity.device_inertia),
       filter_(config.filter),
-      lag_(seconds(config.filter.sensed_lag)) {
+      lag_(config.filter.longest_s()) {
   if (on_ && coupling_) coupled_ = stiffest(*coupling_);
 }
 
@@ -133,8 +133,12 @@ void Derating::listen(const TickInput& in, const Beat& beat, const Sensed& sense
   }
 }
 
+double Derating::own() const noexcept {
+  return half_period_s_ + std::max(0.0, device_.value);
+}
+
 double Derating::late() const noexcept {
-  double late = half_period_s_ + std::max(0.0, device_.value);
+  const double late = own();
   if (remote_ == DeratingReason::kNone) return late;
   double came = 0.5 * came_late_.value;
   if (oldest_.value < 0.0) return late + came;
@@ -146,8 +150,12 @@ double Derating::late() const noexcept {
 
 void Derating::allow(const Settings& settings) noexcept {
   const double late_s = late();
-  lag_ = std::clamp(room_ - late_s, 0.0, seconds(filter_.sensed_lag));
   acts_ = late_s > (acts_ ? room_ : kOften * room_);
+  double room = room_ - late_s;
+  // While x is held it does not answer, and the low-pass is open once contact is lost: the longer
+  // one of both delays counts.
+  if (remote_ == DeratingReason::kHeld) room = (acts_ ? late_s : room_) - own();
+  lag_ = std::clamp(room, 0.0, filter_.longest_s());
   if (acts_ && !derated_) {
     derated_ = settings;
     derated_->stiffness = settings.stiffness.cwiseMin(in_effect_);

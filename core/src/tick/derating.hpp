@@ -20,8 +20,8 @@ class Derating {
   [[nodiscard]] DeratingRecord step(const TickInput& in, const Beat& beat, const Sensed& sensed,
                                     const ProxySnapshot& sample, bool moved,
                                     const Settings& settings) noexcept;
-  /// That of the low-pass of DoFs that are only sensed, s: as much of the configuration's as the
-  /// loop's other delays leave of what the settings' stiffness allows.
+  /// Most by which a DoF may be low-passed, s: as much of the configuration's as the loop's other
+  /// delays leave of what the stiffness allows.
   [[nodiscard]] double lag() const noexcept { return lag_; }
   /// Those in effect, of the last step: `settings` itself while nothing is derated.
   [[nodiscard]] const Settings& settings(const Settings& settings) const noexcept {
@@ -43,7 +43,8 @@ class Derating {
   /// Measures by a new sample.
   void listen(const TickInput& in, const Beat& beat, const Sensed& sensed,
               const ProxySnapshot& sample, bool moved) noexcept;
-  /// How late the loop's answer counts, s.
+  /// How late the loop's answer counts, s: own() is what is not the client's part.
+  [[nodiscard]] double own() const noexcept;
   [[nodiscard]] double late() const noexcept;
   /// Finds the stiffness that the loop allows.
   void allow(const Settings& settings) noexcept;

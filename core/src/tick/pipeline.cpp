@@ -67,7 +67,8 @@ PipelineConfig checked(PipelineConfig config) {
   require(device.max_silence >= device.sample_period,
           "device.max_silence: must be >= its sample_period");
   require_entries(device.max_effort, n_a, "device.max_effort", 0.0);
-  require(std::min(config.filter.sensed_lag, config.filter.rate_lag) >= Duration::zero(),
+  const SensorFilter& filter = config.filter;
+  require(std::min({filter.sensed_lag, filter.actuated_lag, filter.rate_lag}) >= Duration::zero(),
           "filter: lags must be >= 0");
 
   const RenderSettings& scene = config.scene;

@@ -126,7 +126,9 @@ void RenderedSpring::pay(const Beat& beat, const Sensed& sensed, const Anchor& w
     coupling_ = 0.0;
   }
   const VecA q_a = layout_.select(sensed.q);
-  passivity_->measure(q_a, sensed.fresh, sensed.recent, beat.dt, sensed.tau_measured);
+  const bool ahead = sensed.ahead.size() > 0;
+  const VecA read = ahead ? VecA(q_a + sensed.ahead) : q_a;
+  passivity_->measure(read, sensed.fresh, sensed.recent, beat.dt, sensed.tau_measured);
   SpringStorage spring;
   if (coupled_) {
     spring = *coupled_;  // of the subspace methods only: they display Z_q
@@ -141,12 +143,15 @@ void RenderedSpring::pay(const Beat& beat, const Sensed& sensed, const Anchor& w
   for (int i = 0; i < layout_.n_a(); ++i) {  // a factor of 1 leaves the anchor's bits alone
     if (displayed_[i] != 1.0) anchor[i] = q_a[i] + (anchor[i] - q_a[i]) / displayed_[i];
   }
+  // The book has q_a as it was read. The spring is as long there as by the low-passed one.
+  if (ahead) anchor += sensed.ahead;
   // The contacts' energy is known by the stiffness of the coupling between x and x_probe, which the
   // spring displays; an object that flies has what it was given.
   if (wanted.stored > 0.0 && wanted.coupling > 0.0 && !off) {
-    coupling_ = spring.energy(VecA(anchor - q_a)) / wanted.coupling;
+    coupling_ = spring.energy(VecA(anchor - read)) / wanted.coupling;
   }
   anchor = passivity_->admit(spring, anchor, wanted.stored * coupling_, settings.slew_limit);
+  if (ahead) anchor -= sensed.ahead;
   effort.passivity = passivity_->record();
   for (int i = 0; i < layout_.n_a() && !off; ++i) {
     double& q_star = q_star_[layout_.actuated(i)];

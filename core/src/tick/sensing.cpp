@@ -13,13 +13,19 @@ namespace {
 constexpr double kSlow = 0.15;      ///< 1/s, of a DoF's range
 constexpr double kSpeedLag = 0.02;  ///< s, of the speed that opens the low-pass
 
-VecQ slow(const Kinematics& kinematics) {
-  VecQ speed(kinematics.layout().n_q());
-  for (Eigen::Index i = 0; i < speed.size(); ++i) {
+VecQ per_slow(const Kinematics& kinematics) {
+  VecQ per(kinematics.layout().n_q());
+  for (Eigen::Index i = 0; i < per.size(); ++i) {
     const DofSpec& dof = kinematics.dofs()[static_cast<std::size_t>(i)];
-    speed[i] = kSlow * (dof.upper - dof.lower);
+    per[i] = 1.0 / (kSlow * (dof.upper - dof.lower));
   }
-  return speed;
+  return per;
+}
+
+VecQ longest(const DofLayout& layout, const SensorFilter& filter) {
+  VecQ lag = VecQ::Constant(layout.n_q(), seconds(filter.sensed_lag));
+  for (int i = 0; i < layout.n_a(); ++i) lag[layout.actuated(i)] = seconds(filter.actuated_lag);
+  return lag;
 }
 
 }  // namespace
@@ -27,11 +33,15 @@ VecQ slow(const Kinematics& kinematics) {
 Sensing::Sensing(const PipelineConfig& config)
     : layout_(config.kinematics->layout()),
       limits_(config.device),
-      slow_(slow(*config.kinematics)),
+      per_slow_(per_slow(*config.kinematics)),
+      lag_(longest(layout_, config.filter)),
+      ahead_(config.filter.actuated_lag > Duration::zero()),
       needs_force_(config.force_control.enabled()),
       rate_(layout_.n_a(), config.filter.rate_lag),
       q_(VecQ::Zero(layout_.n_q())),
-      speed_(q_) {
+      reading_(q_),
+      speed_(q_),
+      slope_(q_) {
   if (config.tracker) tracker_.emplace(*config.tracker, config.device);
   for (CellRatings ratings : config.force_control.cells) {
     const auto i = static_cast<Eigen::Index>(cells_.size());
@@ -62,6 +72,7 @@ Sensed Sensing::step(const TickInput& in, Duration dt, const Driven& driven, dou
     now.faults.set(Fault::kDeviceSilent);
   }
   now.q = q_;
+  if (ahead_) now.ahead = layout_.select(VecQ(reading_ - q_));
   now.q_a_dot = rate_.value();
   now.tau_measured = tau_measured_;
   if (ready_ && !cells_.empty()) doubt(dt, driven, now);
@@ -79,7 +90,7 @@ void Sensing::doubt(Duration dt, const Driven& driven, Sensed& sensed) noexcept 
     view.interval = interval_;
     view.driven = driven.on && a < driven.command.size();
     view.command = a < driven.command.size() ? driven.command[a] : 0.0;
-    view.q = q_[dof];
+    view.q = reading_[dof];
     view.at_lower = view.q < limits_.q_lower[dof] + near;
     view.at_upper = view.q > limits_.q_upper[dof] - near;
     view.dt = seconds(dt);
@@ -98,7 +109,7 @@ void Sensing::take(const DeviceSample& sample, TimePoint now, Sensed& sensed) no
     smooth(q, sample.time, sensed.lag);
     q_ = q;
     tau_measured_ = sample.tau_measured;
-    rate_.update(layout_.select(q_), sample.time, kRecentPeriods * limits_.sample_period);
+    rate_.update(layout_.select(reading_), sample.time, kRecentPeriods * limits_.sample_period);
     interval_ = seconds(std::max(sample.time - measured_, limits_.sample_period));
     measured_ = sample.time;
     taken_ = now;
@@ -116,14 +127,19 @@ void Sensing::smooth(VecQ& q, TimePoint time, double lag) noexcept {
       ready_ && dt > Duration::zero() && dt <= kRecentPeriods * limits_.sample_period;
   if (!goes_on || lag <= 0.0) {
     speed_.setZero();
+    slope_.setZero();
     return;
   }
-  const double dt_s = seconds(dt);
-  for (int k = 0; k < layout_.n_n(); ++k) {
-    const int i = layout_.sensed(k);
-    speed_[i] = low_passed(speed_[i], (q[i] - before[i]) / dt_s, dt_s, kSpeedLag);
-    const double share = speed_[i] / slow_[i];
-    q[i] = low_passed(q_[i], q[i], dt_s, lag / (1.0 + share * share));
+  const double dt_s = seconds(dt), per_s = 1.0 / dt_s, newest = dt_s / (dt_s + kSpeedLag);
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const double longest = std::min(lag, lag_[i]);
+    if (longest <= 0.0) continue;
+    speed_[i] += newest * ((q[i] - before[i]) * per_s - speed_[i]);
+    const double share = speed_[i] * per_slow_[i];
+    const double k = dt_s / longest * (1.0 + share * share);
+    const double way = (dt_s * slope_[i] + k * k * (q[i] - q_[i])) / (1.0 + k + k * k);
+    slope_[i] = way * per_s;
+    q[i] = q_[i] + way;
   }
 }
 

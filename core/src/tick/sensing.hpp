@@ -33,7 +33,7 @@ class Sensing {
 
   /// Reads now, device and tracker of the input. A sample with a wrong size, a number that is not
   /// finite, or a q out of range is a fault, and the last good one stays. `dt`: since the tick
-  /// before. `lag`: of the DoFs that are only sensed, s.
+  /// before. `lag`: most by which a DoF may be low-passed, s.
   [[nodiscard]] Sensed step(const TickInput& in, Duration dt, const Driven& driven,
                             double lag) noexcept;
 
@@ -42,19 +42,22 @@ class Sensing {
   void doubt(Duration dt, const Driven& driven, Sensed& sensed) noexcept;
   /// The fault that the sample is, or none: then it is the newest.
   void take(const DeviceSample& sample, TimePoint now, Sensed& sensed) noexcept;
-  /// Low-passes the DoFs that are only sensed of q, which was measured at `time`.
+  /// Low-passes q, which was measured at `time`.
   void smooth(VecQ& q, TimePoint time, double lag) noexcept;
   /// The measured force of a sample: none (unless it is needed), or n_a finite numbers.
   [[nodiscard]] bool fits(const VecA& force) const noexcept;
 
   const DofLayout layout_;
   const DeviceLimits limits_;
-  const VecQ slow_;  ///< n_q, m/s or rad/s: at this speed the low-pass lags half as much
+  const VecQ
+      per_slow_;      ///< n_q, s/m or s/rad: 1 by the speed at which a low-pass lags half as much
+  const VecQ lag_;    ///< n_q, s: the low-pass lags no more
+  const bool ahead_;  ///< q_a is low-passed
   const bool needs_force_;
   std::optional<PalmTracker> tracker_{};
   Rate rate_;
   VecQ q_{};
-  VecQ reading_{}, speed_{};  ///< n_q, of smooth(): the newest q before it, and its rate
+  VecQ reading_{}, speed_{}, slope_{};  ///< n_q: the newest q before smooth(), its rate, that of q_
   VecA tau_measured_{};
   std::vector<CellWatch> cells_{};  ///< n_a, or none
   TimePoint measured_{};            ///< when the newest good sample was

@@ -263,9 +263,10 @@ core::SensorFilter read_filter(const Device& device) {
   const DurationRange range{core::Duration{0}, std::chrono::milliseconds(20)};
   core::SensorFilter filter = core::kDefaultFilter;
   // A recording is played as it is, unless the scene asks for a filter.
-  if (device->has_replay()) filter.sensed_lag = core::Duration{0};
+  if (device->has_replay()) filter.sensed_lag = filter.actuated_lag = core::Duration{0};
   filter.sensed_lag = part.duration("sensed_lag", filter.sensed_lag, range);
   filter.rate_lag = part.duration("rate_lag", filter.rate_lag, range);
+  filter.actuated_lag = part.duration("actuated_lag", filter.actuated_lag, range);
   return filter;
 }
 

@@ -190,6 +190,10 @@ TEST(Derating, LowPassTakesWhatIsLeft) {
   board.engage();
   EXPECT_EQ(board.record.sensed.lag, 0.0);
   EXPECT_LT(board.stiffness(), kK);
+  Late held(config);
+  held.engage();
+  EXPECT_EQ(held.record.sensed.lag, 0.006) << "no more than the held proxy is late";
+  EXPECT_LT(held.stiffness(), kK);
   config.derating = false;
   Late any(config);
   any.engage();

@@ -22,9 +22,7 @@ void EnergyBook::begin_cycle() noexcept {
 
 PipelineLoop::PipelineLoop(const core::PipelineConfig& config, const ClientSettings& client,
                            double device_damping)
-    : pipeline_(config),
-      client_(client, config.filter.sensed_lag > core::Duration::zero()),
-      energy_(device_damping) {
+    : pipeline_(config), client_(client, config.filter.longest_s() > 0.0), energy_(device_damping) {
   const core::Kinematics& map = *config.kinematics;
   input_.settings = config.scene;
   input_.device.fresh = input_.device.armed = true;

@@ -96,16 +96,20 @@ TEST(PassivityScene, ARecordingHasNoDynamics) {
 TEST(SensorFilterScene, DefaultsDependOnTheSource) {
   const auto lags = [](const server::DeviceScene& device) {
     const core::SensorFilter& filter = device.pipeline.filter;
-    return std::pair(filter.sensed_lag, filter.rate_lag);
+    return std::tuple(filter.sensed_lag, filter.rate_lag, filter.actuated_lag);
   };
-  const std::pair<core::Duration, core::Duration> none{0, 0}, given{0, milliseconds(20)};
+  const core::Duration none{0}, most = milliseconds(20);
   const core::SensorFilter usual = core::kDefaultFilter;
-  EXPECT_EQ(lags(device_having("")), std::pair(usual.sensed_lag, usual.rate_lag));
-  EXPECT_EQ(lags(device_having("sensor_filter { sensed_lag {} rate_lag {} }")), none);
+  EXPECT_EQ(lags(device_having("")),
+            std::tuple(usual.sensed_lag, usual.rate_lag, usual.actuated_lag));
+  EXPECT_EQ(lags(device_having("sensor_filter { sensed_lag {} rate_lag {} actuated_lag {} }")),
+            std::tuple(none, none, none));
   EXPECT_EQ(lags(device_having("sensor_filter { sensed_lag {} rate_lag { nanos: 20000000 } }")),
-            given);
+            std::tuple(none, most, usual.actuated_lag));
+  EXPECT_EQ(lags(device_having("sensor_filter { actuated_lag { nanos: 20000000 } }")),
+            std::tuple(usual.sensed_lag, usual.rate_lag, most));
   const server::DeviceScene replay = shipped_scene("finger_replay").devices[0];
-  EXPECT_EQ(lags(replay), std::pair(core::Duration(0), usual.rate_lag));
+  EXPECT_EQ(lags(replay), std::tuple(none, usual.rate_lag, none));
 }
 
 TEST(BoardScene, KnowsItsLinkagesName) {

@@ -3,6 +3,7 @@
 /// place where core's parts are put together. It owns every temporary, and the device's state and
 /// gain.
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -38,11 +39,16 @@ struct DeviceLimits {
 struct SensorFilter {
   /// Lag of the DoFs that are only sensed, at most: with derating, what the stiffness allows.
   Duration sensed_lag{0};
-  Duration rate_lag{0};  ///< of the rate of the actuated ones; both 0: none
+  Duration rate_lag{0};      ///< of the rate of the actuated ones
+  Duration actuated_lag{0};  ///< of the actuated ones, likewise; all 0: none
+
+  [[nodiscard]] double longest_s() const noexcept {
+    return seconds(std::max(sensed_lag, actuated_lag));
+  }
 };
 /// A scene that names none gets these.
-inline constexpr SensorFilter kDefaultFilter{std::chrono::microseconds(3500),
-                                             std::chrono::milliseconds(2)};
+inline constexpr SensorFilter kDefaultFilter{
+    std::chrono::milliseconds(3), std::chrono::milliseconds(2), std::chrono::milliseconds(1)};
 
 /// A client says where the tracked palm is (proto/README.md#a-session, role tracker).
 struct TrackerSettings {

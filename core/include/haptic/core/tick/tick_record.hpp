@@ -66,10 +66,10 @@ struct Beat {
 
 /// The device as this tick knows it.
 struct Sensed {
-  /// n_q, newest good sample, its sensed-only DoFs low-passed, with the tracker's pose if the scene
-  /// has one.
+  /// n_q, newest good sample, low-passed, with the tracker's pose if the scene has one.
   VecQ q{};
-  double lag{0.0};      ///< s, of that low-pass
+  VecA ahead{};         ///< n_a, q_a as read less that of q; size 0: the same
+  double lag{0.0};      ///< s, most by which a DoF may be low-passed
   VecA q_a_dot{};       ///< n_a, from device time stamps, low-passed; m/s or rad/s
   VecA tau_measured{};  ///< n_a, with that sample; N or N m; size 0: the device measures none
   TrackerRecord tracker{};

@@ -5,6 +5,14 @@
 
 namespace haptic::core {
 
+namespace {
+
+constexpr double kFaster = 2.0;  ///< than it drifts, a device may go on
+/// Noise of a sensor seldom moves dq + more by more jitters than that: three times its rms.
+constexpr double kJitters = 6.0;
+
+}  // namespace
+
 void EnergyTank::refill(double dt, const HoldAccount& account) noexcept {
   // Physical damping is never credited: it pays the hold's leak, and only that.
   const double unpaid_leak = std::max(0.0, account.leak - account.device_damping);
@@ -13,13 +21,15 @@ void EnergyTank::refill(double dt, const HoldAccount& account) noexcept {
       settings_.capacity);
 }
 
-double Motion::share(const VecA& tau, double left, double fade) const noexcept {
-  double goes_on = 0.0, faster = fade;  // J: s tau gives at most s goes_on + s^2 faster
+double Motion::share(const VecA& tau, double left, bool slowly) const noexcept {
+  // J: s tau gives at most s goes_on + s^2 faster
+  double goes_on = 0.0, faster = slowly ? fading(tau) : 0.0;
   for (Eigen::Index i = 0; i < tau.size(); ++i) {
     if (tau[i] == 0.0) continue;
     const double way = tau[i] < 0.0 ? -1.0 : 1.0;
     const double own = std::max(0.0, way * held[i]) * kick[i];
-    const double reach = way * dq[i] + std::clamp(way * more[i], 0.0, own);
+    double reach = way * dq[i] + std::clamp(way * more[i], 0.0, own);
+    if (slowly && jitter.size() > 0) reach = std::max(reach, kJitters * jitter[i]);
     // The force of this hold and of those in which it falls.
     double sum = std::abs(tau[i]);
     if (slew.size() > 0) {
@@ -70,7 +80,7 @@ double EnergyTank::eased(double left, double paid, const SpringStorage& after, c
   double lent = 0.0, fading = 0.0;
   if (left > 0.0) {
     lent = motion.share(tau, left);
-    fading = motion.share(tau, left, motion.fading(tau));
+    fading = motion.share(tau, left, true);
   }
   VecA last = motion.held;
   for (Eigen::Index i = 0; i < tau.size(); ++i) {

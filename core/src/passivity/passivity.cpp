@@ -62,7 +62,8 @@ Passivity::Passivity(const PassivitySettings& settings, int n_a)
       damping_(VecA::Zero(n_a)) {
   if (settings_.device_damping.size() == 0) settings_.device_damping = VecA::Zero(n_a);
   spring_.stiffness = spring_.limit = VecA::Zero(n_a);
-  motion_.dq = motion_.more = motion_.held = motion_.kick = motion_.drift = VecA::Zero(n_a);
+  motion_.dq = motion_.more = motion_.held = motion_.kick = motion_.drift = motion_.jitter =
+      VecA::Zero(n_a);
   record_.on = true;
 }
 
@@ -105,6 +106,8 @@ void Passivity::book(const VecA& q_a, const VecA& force) noexcept {
   motion_.held = elastic_;
   motion_.drift +=
       std::min(1.0, since_sample_ / Motion::kDrift_s) * (dq / since_sample_ - motion_.drift);
+  motion_.jitter +=
+      std::min(1.0, since_sample_ / Motion::kJitter_s) * (motion_.more.cwiseAbs() - motion_.jitter);
   hold_s_ = since_sample_;
   for (Eigen::Index i = 0; i < settings_.device_inertia.size(); ++i) {
     motion_.kick[i] = 0.5 * since_sample_ * since_sample_ / settings_.device_inertia[i];

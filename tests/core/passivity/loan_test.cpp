@@ -22,7 +22,7 @@ TankSettings holding(double initial) {
 
 /// A device that went `dq` in the last hold, as in the one before; its inertia is boundless.
 Motion steady(double dq, double held) {
-  return {one(dq), one(0.0), one(held), one(0.0), {}, one(0.0), one(1e9), 1e-3};
+  return {one(dq), one(0.0), one(held), one(0.0), {}, one(0.0), {}, one(1e9), 1e-3};
 }
 
 TEST(Loan, TheNextHoldKeepsWithinIt) {
@@ -41,8 +41,17 @@ TEST(Loan, TheNextHoldKeepsWithinIt) {
 
 /// 50 g, sampled once per ms, led by a hand that holds 4 N: at rest it goes 4 N (1 ms)^2 / (2 50 g)
 /// = 0.04 mm in the hold in which the hand lets go, and three times as far in the next one.
+/// It keeps back what noise moves q_a by, so that the cap does not follow the noise.
+TEST(Loan, SlowEndKeepsBackNoise) {
+  Motion noisy = steady(0.0, 4.0);
+  noisy.jitter = one(1e-5);
+  EXPECT_EQ(noisy.share(one(4.0), 1.2e-4), 1.0);
+  EXPECT_EQ(noisy.share(one(4.0), 2.4e-4 + 1e-9, true), 1.0) << "4 N by 6 jitters";
+  EXPECT_NEAR(noisy.share(one(4.0), 1.2e-4, true), 0.5, 1e-12);
+}
+
 Motion of_50_g(double dq, double before) {
-  return {one(dq), one(dq - before), one(4.0), one(1e-5), {}, one(0.0), one(1e9), 1e-3};
+  return {one(dq), one(dq - before), one(4.0), one(1e-5), {}, one(0.0), {}, one(1e9), 1e-3};
 }
 
 TEST(Loan, AHandMayLetGo) {

@@ -46,19 +46,20 @@ struct Motion {
   VecA kick{};       ///< T^2 / (2 M_a): how far a unit of force moves M_a in a hold, from rest, n_a
   VecA slew{};       ///< by which a force can fall from hold to hold, n_a; size 0: at once
   VecA drift{};      ///< rate, m/s or rad/s, mean of about kDrift_s, n_a
+  VecA jitter{};     ///< mean of |more| over about kJitter_s, n_a; size 0: none
   VecA limit{};      ///< force limit, n_a: how slowly a force fades (ForceFade)
   double tick{0.0};  ///< s
 
-  static constexpr double kDrift_s = 0.01;
-  static constexpr double kFaster = 2.0;
+  static constexpr double kDrift_s = 0.01, kJitter_s = 0.05;
 
   /// The largest share, 0 to 1, of a force tau (n_a) that gives no more than `left` (J, > 0) in the
   /// next hold and in those in which it then falls by `slew`. In these it makes the device faster
   /// too, if nothing else pushes the device along it: a hand may let go with any sample.
-  /// `fade`, J: what tau gives besides while it fades.
-  [[nodiscard]] double share(const VecA& tau, double left, double fade = 0.0) const noexcept;
-  /// J that tau gives while it fades (ForceFade), if the device goes on kFaster as fast as it
-  /// drifts.
+  /// `slowly`: of what a slow end of tau leaves (ForceFade), if dq is as noisy as it was.
+  [[nodiscard]] double share(const VecA& tau, double left, bool slowly = false) const noexcept;
+
+ private:
+  /// J that tau gives while it fades (ForceFade), if the device goes on twice as fast as it drifts.
   [[nodiscard]] double fading(const VecA& tau) const noexcept;
 };
 

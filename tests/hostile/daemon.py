@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import multiprocessing
 import os
 import pathlib
 import resource
@@ -258,43 +259,57 @@ def in_time():
 
 
 class Probe:
-    """Two threads: memory of owner and front every 10 ms, and local stops."""
+    """Memory of owner and front every 10 ms, and local stops by a process of its own: a thread of
+    this one would wait for the interpreter while the system has stopped another."""
 
-    def __init__(self, daemon, stops=True):
-        self.daemon, self.running = daemon, True
+    def __init__(self, daemon):
+        self.daemon, self.running = daemon, multiprocessing.RawValue("b", True)
         self.owner, self.front, self.front_limit = 0, 0, None
         self.stops, self.unanswered, self.punctual = [], [], False
-        self.threads = [threading.Thread(target=self.memory)]
-        if stops:
-            self.threads.append(threading.Thread(target=self.stopping))
-        for thread in self.threads:
-            thread.start()
+        self.heard, said = multiprocessing.Pipe(duplex=False)
+        self.child = multiprocessing.get_context("fork").Process(target=self.stopping, args=(said,))
+        self.child.start()
+        said.close()
+        self.thread = threading.Thread(target=self.memory)
+        self.thread.start()
 
     def memory(self):
-        in_time()  # as all of this process: the others wait while it has the interpreter
+        in_time()
         looked, fronts = 0.0, []
-        while self.running:
+        while self.running.value:
             if time.monotonic() > looked + 0.3:
                 looked, fronts = time.monotonic(), self.daemon.fronts()
                 for pid in fronts:
                     self.front_limit = data_limit(pid) or self.front_limit
             self.owner = max(self.owner, resident(self.daemon.pid))
             self.front = max([self.front, *map(resident, fronts)])
+            while self.heard.poll():
+                self.take(self.heard.recv())
             time.sleep(0.01)
 
-    def stopping(self):
-        self.punctual = in_time()
-        while self.running:
+    def stopping(self, said):
+        said.send(in_time())
+        while self.running.value:
             try:
-                self.stops.append(local_stop(self.daemon))
+                said.send(local_stop(self.daemon))
             except OSError as why:
-                self.unanswered.append(str(why))
+                said.send(str(why))
             time.sleep(STOP.every_s)
+        os._exit(0)  # what libraries would do at an exit is not wanted
+
+    def take(self, said):
+        if isinstance(said, bool):
+            self.punctual = said
+        else:
+            (self.stops if isinstance(said, float) else self.unanswered).append(said)
 
     def end(self):
-        self.running = False
-        for thread in self.threads:
-            thread.join()
+        self.running.value = False
+        self.thread.join()
+        with contextlib.suppress(EOFError):
+            while True:
+                self.take(self.heard.recv())
+        self.child.join()
         return self
 
 

@@ -29,6 +29,7 @@ core::PipelineConfig pipeline_for(const RandomPress& press, const PressRun& with
                                   std::shared_ptr<const core::Kinematics> finger) {
   core::PipelineConfig config = finger_pipeline(std::move(finger), with.renderer, press.stiffness);
   config.derating = true;
+  config.filter = core::kDefaultFilter;
   config.scene.direction_guard = with.guard;
   config.passivity.tank.enabled = with.tank.has_value();
   config.passivity.tank.initial = with.tank.value_or(0.0);

@@ -320,6 +320,16 @@ make_feel() {
   rm "$output/feel_more.csv"
   draw feel_worst feel_worst "csv='$output/feel_worst.csv'; runs='$worst';
     heading='Worst ten of 850, sensors with noise of 5 um and 0.05 deg'"
+  # The same noise in other studies: their force from 50 to 500 Hz at the actuator.
+  csv noise_press press --method per_contact --stiffness 1500 $rough \
+    --summary "$output/noise_presses.csv"
+  csv noise_felt felt --method per_contact --rate 60 --delay 20 $rough
+  csv noise_rtt rtt --object finger_worn_reach_and_grasp --round-trip 100 $rough
+  (cd "$output" && awk -F, -v OFS=, 'BEGIN { print "study", "client", "band_mn" } FNR == 1 { next }
+    FILENAME ~ /presses/ { print "press", $3, $23 }
+    FILENAME ~ /felt/ && $5 == "all" { print "felt", $2, $26 }
+    FILENAME ~ /rtt/ { print "rtt", $2, $23 }' noise_presses.csv noise_felt.csv noise_rtt.csv \
+    >noise.csv && rm noise_*.csv)
 }
 make_rtt() {
   local linkage=finger_same_sign file peer trip motions=()  # the scenes' linkage

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <clocale>
 #include <tuple>
 
 #include "tests/mujoco/mujoco_world.hpp"
@@ -13,6 +15,8 @@ namespace {
 const char* const kBodies = R"(<mujoco><worldbody>
   <body name="palm"><freejoint/><geom size="0.01"/><site name="wrist"/>
     <body><joint name="index.q_o1_mcp"/><geom size="0.01"/></body></body></worldbody></mujoco>)";
+
+const char* const kCommas[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "fr_FR.utf8"};
 
 std::vector<client::VirtualCoordinate> named(const std::vector<std::string>& names) {
   std::vector<client::VirtualCoordinate> all;
@@ -61,6 +65,35 @@ TEST(Binding, JointsMayCountOtherwise) {
               std::string::npos)
         << bad;
   }
+}
+
+/// The joint of the coordinate's own name leads.
+TEST(Binding, OneCoordinateMayMoveSeveralJoints) {
+  const World world(R"(<mujoco><worldbody><body><joint name="pip"/><geom size="0.01"/>
+    <body><joint name="dip"/><geom size="0.01"/></body></body></worldbody></mujoco>)");
+  const std::vector<Binding> bound = by_name(*world.m(), named({"pip"}), {"dip=pip,0.67"});
+  ASSERT_EQ(bound.size(), 2u);
+  EXPECT_EQ(bound[0].name, "pip");
+  EXPECT_EQ(bound[1].name, "dip");
+  EXPECT_EQ(bound[1].first_coordinate, 0u);
+  EXPECT_EQ(by_name(*world.m(), named({"pip"}), {"pip=pip,-1"}).size(), 1u);
+  EXPECT_NE(test::message_of<std::invalid_argument>([&] {
+              Tool(world.m(), world.d(), {joint("pip", 0), joint("pip", 1)}, {.coupling = 0.01});
+            }).find("'pip': the joint is bound twice"),
+            std::string::npos);
+}
+
+TEST(Binding, NumbersAreReadInNoLocale) {
+  const World world(kBodies);
+  const std::string before = std::setlocale(LC_ALL, nullptr);
+  const bool comma = std::any_of(std::begin(kCommas), std::end(kCommas), [](const char* name) {
+    return std::setlocale(LC_ALL, name) != nullptr;
+  });
+  const std::vector<Binding> bound =
+      by_name(*world.m(), named({"mcp"}), {"index.q_o1_mcp=mcp,-0.5"});
+  std::setlocale(LC_ALL, before.c_str());
+  EXPECT_EQ(bound.at(0).scale, -0.5);
+  if (!comma) GTEST_SKIP() << "no locale with decimal commas is here";
 }
 
 TEST(Binding, NamesThatMeanNothingAreRefused) {

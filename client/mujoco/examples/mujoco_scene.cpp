@@ -22,6 +22,7 @@ struct Options {
   std::string model{};
   std::vector<std::string> joints{};
   double seconds{0.0}, coupling{0.0};
+  bool keep_actuators{false};
   examples::FilmOptions film{};
 };
 
@@ -52,8 +53,9 @@ int touch(client::Connection& server, const Options& options) {
                                     .on_disconnect = examples::print_end});
   const std::vector<mujoco::Binding> bindings =
       mujoco::by_name(*model, session->device().coordinates, options.joints);
-  const mujoco::ToolOptions coupled{.coupling = options.coupling > 0.0 ? options.coupling
-                                                                       : coupling_of(*model)};
+  const mujoco::ToolOptions coupled{
+      .coupling = options.coupling > 0.0 ? options.coupling : coupling_of(*model),
+      .keep_actuators = options.keep_actuators};
   mujoco::Tool tool(model.get(), data.get(), bindings, coupled);
   session->engage_when_ready();
   std::vector<examples::FilmFrame> frames;
@@ -107,7 +109,10 @@ int main(int argc, char** argv) {
                  "N/m or N m/rad (ToolOptions); default: the model's numeric \"coupling\"");
   cli.add_option("--joint", options.joints,
                  "NAME=COORDINATE[,SCALE[,OFFSET]]: a joint with another name, sign or zero than "
-                 "the device's coordinate, qpos = OFFSET + SCALE x; any number of them");
+                 "the device's coordinate, qpos = OFFSET + SCALE x; any number of them, several of "
+                 "one coordinate too");
+  cli.add_flag("--keep-actuators", options.keep_actuators,
+               "the model's own actuators on joints that the device moves stay on");
   cli.add_option("--film", options.film.film, "a film of the run, .webm (by ffmpeg)");
   cli.add_option("--picture", options.film.picture, "a picture of its strongest grasp, .png");
   return examples::run(cli, argc, argv, [&](client::Connection& server) {

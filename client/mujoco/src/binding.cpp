@@ -1,7 +1,7 @@
 #include "haptic/mujoco/binding.hpp"
 
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -43,9 +43,9 @@ Binding joint_of(const std::string& text,
   Binding bound = joint(text.substr(0, equals), at);
   for (double* const value : {&bound.scale, &bound.offset}) {
     if (!std::getline(rest, number, ',')) break;
-    char* end = nullptr;
-    *value = std::strtod(number.c_str(), &end);
-    if (number.empty() || *end != '\0' || !std::isfinite(*value)) {
+    const char* const last = number.data() + number.size();
+    const auto [end, error] = std::from_chars(number.data(), last, *value);  // in no locale
+    if (error != std::errc{} || end != last || !std::isfinite(*value)) {
       refuse("'" + number + "' must be a finite number");
     }
   }
@@ -60,25 +60,30 @@ std::vector<Binding> by_name(const mjModel& model,
                              const std::vector<std::string>& joints) {
   std::vector<Binding> bindings;
   std::set<std::size_t> said;
+  std::set<std::string> named;
   for (const std::string& text : joints) {
     bindings.push_back(joint_of(text, coordinates));
     said.insert(bindings.back().first_coordinate);
+    named.insert(bindings.back().name);
   }
   for (std::size_t i = 0; i < coordinates.size();) {
-    if (said.contains(i)) {
+    const std::string& full = coordinates[i].name;
+    const std::string name = full.substr(0, full.rfind('.'));
+    if (has(model, mjOBJ_JOINT, full) && !named.contains(full)) {
+      // It leads those of another name.
+      bindings.insert(said.contains(i) ? bindings.begin() : bindings.end(), joint(full, i));
       ++i;
       continue;
     }
-    const std::string& full = coordinates[i].name;
-    const std::string name = full.substr(0, full.rfind('.'));
-    if (has(model, mjOBJ_JOINT, full)) {
-      bindings.push_back(joint(full, i++));
+    if (said.contains(i)) {
+      ++i;
       continue;
     }
     if (!has(model, mjOBJ_SITE, name) && !has(model, mjOBJ_BODY, name)) {
       throw std::invalid_argument(
           "the device has a coordinate '" + full +
-          "', but the model has no joint of this name and no site or body '" + name + "'");
+          "', but the model has no joint of this name and no site or body '" + name +
+          "'; say which joint it is: JOINT=" + full + "[,SCALE[,OFFSET]]");
     }
     if (!spells(coordinates, i, name, {".x", ".y", ".z"})) {
       throw std::invalid_argument("coordinate '" + full +

@@ -10,8 +10,9 @@ namespace haptic::mujoco {
 
 namespace {
 
-constexpr double kShortest = 1e-3;               // of a quaternion
 constexpr std::size_t kMostCoordinates = 10000;  // far above those of any device
+constexpr double kFollows = 10.0;                // stiffness of a follower, per the coupling's
+constexpr mjtNum kBeyond = 1e9;                  // m, longer than any tendon
 
 [[noreturn]] void refuse(const Binding& binding, const std::string& why) {
   throw std::invalid_argument("binding '" + binding.name + "': " + why);
@@ -36,21 +37,6 @@ std::pair<double, double> inverse_masses(const mjModel& model, mjData& data, con
   return {most[0], most[1]};
 }
 
-/// A point that a point or pose carries with it.
-client::PointMap by_frame(const mjData& data, const Place& frame, const Vector3& position,
-                          const std::vector<double>& x) {
-  const std::size_t first = frame.binding.first_coordinate;
-  if (frame.binding.kind == Binding::Kind::kPoint) {
-    return {first, position, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}};
-  }
-  mjtNum back[4], q[4], offset[3];
-  quaternion_of(data, frame, q);
-  mju_negQuat(back, q);
-  const Vector3 from = add(position, -1.0, position_of(data, frame));
-  mju_rotVecQuat(offset, from.data(), back);
-  return client::point_on_pose(x, vector_at(offset), first);
-}
-
 }  // namespace
 
 std::size_t count_of(Binding::Kind kind) noexcept {
@@ -70,19 +56,21 @@ double Place::apart(double a, double b) const {
   return turns && std::abs(b - a) > kPi ? std::remainder(b - a, 2.0 * kPi) : b - a;
 }
 
-BoundTool::BoundTool(const mjModel& model, mjData& data, const std::vector<Binding>& bindings,
+BoundTool::BoundTool(mjModel& model, mjData& data, const std::vector<Binding>& bindings,
                      const ToolOptions& options)
     : model_(&model),
-      place_of_joint_(static_cast<std::size_t>(model.njnt), -1),
       frame_of_body_(static_cast<std::size_t>(model.nbody), -1),
-      moves_(static_cast<std::size_t>(model.nbody), 0),
-      owns_(static_cast<std::size_t>(model.nv), 0) {
+      pulls_(static_cast<std::size_t>(model.nv), 0),
+      coupled_(model) {
   if (!(options.coupling > 0.0)) {
     throw std::invalid_argument("coupling " + std::to_string(options.coupling) +
                                 ": must be above 0 (N/m, or N m/rad)");
   }
   for (const Binding& binding : bindings) find(data, binding);
   std::vector<char> taken(coordinates_, 0);
+  const auto weight = [&options](std::size_t i) {
+    return options.weights.empty() ? 1.0 : options.weights[i];
+  };
   for (const Place& place : places_) {
     const std::size_t first = place.binding.first_coordinate;
     for (std::size_t i = first; i < first + count_of(place.binding.kind); ++i) {
@@ -93,29 +81,85 @@ BoundTool::BoundTool(const mjModel& model, mjData& data, const std::vector<Bindi
         refuse(place.binding, "coordinate " + std::to_string(i) + " has no weight: there are " +
                                   std::to_string(options.weights.size()));
       }
-      const double weight = options.weights.empty() ? 1.0 : options.weights[i];
-      if (!(weight > 0.0)) {
+      if (!(weight(i) > 0.0)) {
         refuse(place.binding, "the weight of coordinate " + std::to_string(i) +
-                                  " must be above 0, not " + std::to_string(weight));
+                                  " must be above 0, not " + std::to_string(weight(i)));
       }
     }
     refuse_stiff(place, options);
   }
-  for (int body = 0; body < model.nbody; ++body) {
-    const Path way = path(body);
-    moves_[static_cast<std::size_t>(body)] = way.frame != nullptr || !way.joints.empty();
-    if (!moves(body)) continue;
-    const int first = model.body_dofadr[body];
-    for (int k = 0; k < model.body_dofnum[body]; ++k)
-      owns_[static_cast<std::size_t>(first + k)] = 1;
+  for (const Place& one : followers_) {
+    follow(model, one, options.coupling * weight(one.binding.first_coordinate));
   }
-  pulls_ = owns_;
   for (const Place& place : places_) {
     if (place.binding.kind == Binding::Kind::kJoint) continue;
     for (int body = place.body; body > 0; body = model.body_parentid[body]) {
-      const int first = model.body_dofadr[body];
-      for (int k = 0; k < model.body_dofnum[body]; ++k)
-        pulls_[static_cast<std::size_t>(first + k)] = 1;
+      for (int k = 0; k < model.body_dofnum[body]; ++k) {
+        const int dof = model.body_dofadr[body] + k;
+        pulls_[static_cast<std::size_t>(dof)] = 1;
+        if (!coupled_.bound(dof)) coupled_.leave_out(dof);
+      }
+    }
+  }
+  // Tendons make rows if they are beyond their limits.
+  std::vector<mjtNum> ranges(model.tendon_range, model.tendon_range + 2 * model.ntendon);
+  std::fill_n(model.tendon_range, 2 * model.ntendon, kBeyond);
+  mj_fwdPosition(&model, &data);
+  std::copy(ranges.begin(), ranges.end(), model.tendon_range);
+  coupled_.look(model, data, coordinates_, true);
+  find_moved();
+}
+
+void BoundTool::follow(mjModel& model, const Place& place, double spring) {
+  const std::size_t c = place.binding.first_coordinate;
+  const auto leader = std::find_if(places_.begin(), places_.end(), [c](const Place& other) {
+    return other.binding.first_coordinate == c;
+  });
+  const double step = model.opt.timestep, scale = place.binding.scale;
+  // The spring is as stiff as both masses allow in a step. A light joint gets armature.
+  const double stiffness = std::min(kFollows * spring, 0.1 * leader->mass / (step * step));
+  const double mass = std::max(place.mass, 4.0 * step * step * stiffness);
+  model.dof_armature[place.dofs[0]] += (mass - place.mass) / (scale * scale);
+  const double together = 1.0 / (1.0 / mass + 1.0 / leader->mass);
+  const double ratio = scale / leader->binding.scale;
+  coupled_.follow({.joint = place.id,
+                   .dof = place.dofs[0],
+                   .leader = leader->dofs[0],
+                   .leader_qpos = model.jnt_qposadr[leader->id],
+                   .ratio = ratio,
+                   .offset = place.binding.offset - ratio * leader->binding.offset,
+                   .stiffness = stiffness / (scale * scale),
+                   .damping = 2.0 * std::sqrt(stiffness * together) / (scale * scale)});
+  leader->mass += mass;
+}
+
+void BoundTool::look(const mjData& data) {
+  coupled_.look(*model_, data, coordinates_);
+  find_moved();
+}
+
+void BoundTool::find_moved() {
+  const mjModel& m = *model_;
+  const auto bodies = static_cast<std::size_t>(m.nbody);
+  std::vector<char> firm(bodies, 1),
+      carried(bodies, 0);  // with all that is between it and the base
+  moves_.assign(bodies, 0);
+  owns_.assign(static_cast<std::size_t>(m.nv), 0);
+  for (std::size_t body = 1; body < bodies; ++body) {
+    const auto parent = static_cast<std::size_t>(m.body_parentid[body]);
+    bool below = moves_[parent] != 0 || frame_of_body_[body] >= 0;
+    firm[body] = firm[parent];
+    carried[body] = carried[parent];
+    const int first = m.body_dofadr[body], end = first + m.body_dofnum[body];
+    for (int dof = first; dof < end; ++dof) {
+      below = below || coupled_.bound(dof);
+      if (!coupled_.firm(dof)) firm[body] = 0;
+      if (!coupled_.moves(dof)) continue;
+      carried[body] = pulls_[static_cast<std::size_t>(dof)] = 1;
+    }
+    moves_[body] = below || (firm[body] != 0 && carried[body] != 0) ? 1 : 0;
+    for (int dof = first; dof < end && moves_[body] != 0; ++dof) {
+      owns_[static_cast<std::size_t>(dof)] = pulls_[static_cast<std::size_t>(dof)] = 1;
     }
   }
 }
@@ -139,160 +183,80 @@ void BoundTool::refuse_stiff(const Place& place, const ToolOptions& options) con
 }
 
 void BoundTool::find(mjData& data, const Binding& binding) {
-  const mjModel& m = *model_;
   if (binding.first_coordinate > kMostCoordinates - count_of(binding.kind)) {
     refuse(binding, "coordinate " + std::to_string(binding.first_coordinate) +
                         ": a device has at most " + std::to_string(kMostCoordinates));
   }
+  coordinates_ = std::max(coordinates_, binding.first_coordinate + count_of(binding.kind));
   Place place;
   place.binding = binding;
-  if (binding.kind == Binding::Kind::kJoint) {
-    place.id = mj_name2id(&m, mjOBJ_JOINT, binding.name.c_str());
-    if (place.id < 0) refuse(binding, "the model has no joint of this name");
-    if (m.jnt_type[place.id] != mjJNT_HINGE && m.jnt_type[place.id] != mjJNT_SLIDE) {
-      refuse(binding,
-             "must be a hinge or a slide; bind the body of a free or ball joint by pose()");
-    }
-    if (!(binding.scale != 0.0) || !std::isfinite(binding.scale)) {
-      refuse(binding, "scale must not be 0, and finite");
-    }
-    const int dof = m.jnt_dofadr[place.id];
-    place.body = m.jnt_bodyid[place.id];
-    place.dofs = {dof};
-    place.turns = m.jnt_type[place.id] == mjJNT_HINGE;
-    place.mass = binding.scale * binding.scale / m.dof_invweight0[dof];
-    place_of_joint_[static_cast<std::size_t>(place.id)] = static_cast<int>(places_.size());
+  const bool joint = binding.kind == Binding::Kind::kJoint;
+  if (joint) {
+    find_joint(place);
   } else {
-    place.id = mj_name2id(&m, mjOBJ_SITE, binding.name.c_str());
-    place.site = place.id >= 0;
-    if (!place.site) place.id = mj_name2id(&m, mjOBJ_BODY, binding.name.c_str());
-    if (place.id < 0) refuse(binding, "the model has no site and no body of this name");
-    place.body = place.site ? m.site_bodyid[place.id] : place.id;
-    int& frame = frame_of_body_[static_cast<std::size_t>(place.body)];
-    if (frame >= 0) refuse(binding, "its body has two points or poses; one of them must do");
-    frame = static_cast<int>(places_.size());
-    for (int k = 0; k < m.body_dofnum[place.body]; ++k) {
-      place.dofs.push_back(m.body_dofadr[place.body] + k);
-    }
-    const std::pair<double, double> inverse = inverse_masses(m, data, place);
-    if (!(inverse.first > 0.0)) refuse(binding, "its body cannot move: it has no joint");
-    place.mass = 1.0 / inverse.first;
-    place.inertia = 1.0 / std::max<double>(inverse.second, mjMINVAL);
+    find_frame(data, place);
   }
-  coordinates_ = std::max(coordinates_, binding.first_coordinate + count_of(binding.kind));
-  places_.push_back(place);
+  const bool second =
+      joint && std::any_of(places_.begin(), places_.end(), [&binding](const Place& other) {
+        return other.binding.kind == Binding::Kind::kJoint &&
+               other.binding.first_coordinate == binding.first_coordinate;
+      });
+  (second ? followers_ : places_).push_back(place);
+}
+
+void BoundTool::find_joint(Place& place) {
+  const mjModel& m = *model_;
+  const Binding& binding = place.binding;
+  place.id = mj_name2id(&m, mjOBJ_JOINT, binding.name.c_str());
+  if (place.id < 0) refuse(binding, "the model has no joint of this name");
+  if (m.jnt_type[place.id] != mjJNT_HINGE && m.jnt_type[place.id] != mjJNT_SLIDE) {
+    refuse(binding, "must be a hinge or a slide; bind the body of a free or ball joint by pose()");
+  }
+  if (!(binding.scale != 0.0) || !std::isfinite(binding.scale)) {
+    refuse(binding, "scale must not be 0, and finite");
+  }
+  const int dof = m.jnt_dofadr[place.id];
+  if (coupled_.bound(dof)) refuse(binding, "the joint is bound twice");
+  coupled_.bind(dof, binding.first_coordinate, binding.scale);
+  place.body = m.jnt_bodyid[place.id];
+  place.dofs = {dof};
+  place.turns = m.jnt_type[place.id] == mjJNT_HINGE;
+  place.mass = binding.scale * binding.scale / m.dof_invweight0[dof];
+}
+
+void BoundTool::find_frame(mjData& data, Place& place) {
+  const mjModel& m = *model_;
+  const Binding& binding = place.binding;
+  place.id = mj_name2id(&m, mjOBJ_SITE, binding.name.c_str());
+  place.site = place.id >= 0;
+  if (!place.site) place.id = mj_name2id(&m, mjOBJ_BODY, binding.name.c_str());
+  if (place.id < 0) refuse(binding, "the model has no site and no body of this name");
+  place.body = place.site ? m.site_bodyid[place.id] : place.id;
+  int& frame = frame_of_body_[static_cast<std::size_t>(place.body)];
+  if (frame >= 0) refuse(binding, "its body has two points or poses; one of them must do");
+  frame = static_cast<int>(places_.size());
+  for (int k = 0; k < m.body_dofnum[place.body]; ++k) {
+    place.dofs.push_back(m.body_dofadr[place.body] + k);
+  }
+  const std::pair<double, double> inverse = inverse_masses(m, data, place);
+  if (!(inverse.first > 0.0)) refuse(binding, "its body cannot move: it has no joint");
+  place.mass = 1.0 / inverse.first;
+  place.inertia = 1.0 / std::max<double>(inverse.second, mjMINVAL);
 }
 
 BoundTool::Path BoundTool::path(int body) const {
   Path found;
-  std::vector<int> pending;
-  const auto reached = [&] {  // the springs so far are between a binding and the body
-    found.soft.insert(found.soft.end(), pending.begin(), pending.end());
-    pending.clear();
-  };
   for (; body > 0; body = model_->body_parentid[body]) {
     if (const int frame = frame_of_body_[static_cast<std::size_t>(body)]; frame >= 0) {
-      reached();
       found.frame = &places_[static_cast<std::size_t>(frame)];
       break;
     }
-    for (int k = model_->body_jntnum[body] - 1; k >= 0; --k) {
-      const int joint = model_->body_jntadr[body] + k;
-      if (const int bound = place_of_joint_[static_cast<std::size_t>(joint)]; bound >= 0) {
-        reached();
-        found.joints.push_back(&places_[static_cast<std::size_t>(bound)]);
-      } else if (model_->jnt_stiffness[joint] > 0.0) {
-        pending.push_back(joint);
-      }
+    const int first = model_->body_dofadr[body];
+    for (int dof = first + model_->body_dofnum[body] - 1; dof >= first; --dof) {
+      if (coupled_.moves(dof)) found.dofs.push_back(dof);
     }
   }
   return found;
-}
-
-void BoundTool::read(const mjData& data, std::vector<double>& x) const {
-  for (const Place& place : places_) {
-    const std::size_t first = place.binding.first_coordinate;
-    if (place.binding.kind == Binding::Kind::kJoint) {
-      const double here = data.qpos[model_->jnt_qposadr[place.id]] - place.binding.offset;
-      x.at(first) += place.apart(x[first], here / place.binding.scale);
-      continue;
-    }
-    const Vector3 position = position_of(data, place);
-    std::copy(position.begin(), position.end(), x.begin() + static_cast<std::ptrdiff_t>(first));
-    if (place.binding.kind == Binding::Kind::kPoint) continue;
-    mjtNum q[4];
-    quaternion_of(data, place, q);
-    double* out = &x.at(first + 3);
-    const double same = out[0] * q[1] + out[1] * q[2] + out[2] * q[3] + out[3] * q[0];
-    for (int i = 0; i < 4; ++i) out[i] = (same < 0.0 ? -1.0 : 1.0) * q[(i + 1) % 4];
-  }
-}
-
-bool BoundTool::has_turns(const std::vector<double>& x) const {
-  return std::all_of(places_.begin(), places_.end(), [&x](const Place& place) {
-    if (place.binding.kind != Binding::Kind::kPose) return true;
-    const double* const q = &x.at(place.binding.first_coordinate + 3);
-    const double length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
-    return length >= kShortest && std::isfinite(length);
-  });
-}
-
-client::PointMap BoundTool::point_on(const mjData& data, int body, const Vector3& position,
-                                     const std::vector<double>& x) const {
-  const Path way = path(body);
-  if (way.joints.empty() && way.frame != nullptr) return by_frame(data, *way.frame, position, x);
-  std::size_t low = coordinates_, high = 0;
-  const auto span = [&](const Place& place) {
-    low = std::min(low, place.binding.first_coordinate);
-    high = std::max(high, place.binding.first_coordinate + count_of(place.binding.kind));
-  };
-  for (const Place* joint : way.joints) span(*joint);
-  if (way.frame != nullptr) span(*way.frame);
-  client::PointMap map{low, position, std::vector<Vector3>(high - low), {}};
-  if (way.frame != nullptr) {
-    const client::PointMap moved = by_frame(data, *way.frame, position, x);
-    std::copy(moved.jacobian.begin(), moved.jacobian.end(),
-              map.jacobian.begin() + static_cast<std::ptrdiff_t>(moved.first_coordinate - low));
-  }
-  const auto axis = [&](const Place& joint) {
-    return add({}, joint.binding.scale, vector_at(data.xaxis + 3 * joint.id));
-  };
-  for (const Place* joint : way.joints) {
-    const Vector3 arm = add(position, -1.0, vector_at(data.xanchor + 3 * joint->id));
-    map.jacobian[joint->binding.first_coordinate - low] =
-        joint->turns ? cross(axis(*joint), arm) : axis(*joint);
-  }
-  if (way.frame != nullptr || high - low > kMostCurved) return map;
-  map.second.resize(triangle(high - low, 0));
-  for (std::size_t k = 0; k < way.joints.size(); ++k) {  // joints from k on are nearer to the base
-    const std::size_t outer = way.joints[k]->binding.first_coordinate - low;
-    for (std::size_t j = k; j < way.joints.size(); ++j) {
-      if (!way.joints[j]->turns) continue;
-      map.second[triangle(outer, way.joints[j]->binding.first_coordinate - low)] =
-          cross(axis(*way.joints[j]), map.jacobian[outer]);
-    }
-  }
-  return map;
-}
-
-double BoundTool::give(const mjData& data, int body, const Vector3& position,
-                       const Vector3& normal) const {
-  const Path way = path(body);
-  if (way.soft.empty()) return 0.0;
-  std::vector<mjtNum> jacobian(3 * static_cast<std::size_t>(model_->nv));
-  mj_jac(model_, &data, jacobian.data(), nullptr, position.data(), body);
-  double sum = 0.0;
-  for (const int joint : way.soft) {
-    const int type = model_->jnt_type[joint];
-    const int dofs = type == mjJNT_FREE ? 6 : type == mjJNT_BALL ? 3 : 1;
-    for (int k = 0; k < dofs; ++k) {
-      const mjtNum* column = jacobian.data() + model_->jnt_dofadr[joint] + k;
-      const double along = normal[0] * column[0] + normal[1] * column[model_->nv] +
-                           normal[2] * column[2 * model_->nv];
-      sum += along * along / model_->jnt_stiffness[joint];
-    }
-  }
-  return sum;
 }
 
 }  // namespace haptic::mujoco

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "haptic/mujoco/contact_spring.hpp"
+#include "words.hpp"
 
 namespace haptic::mujoco {
 
@@ -15,15 +16,6 @@ double gap_of(const mjContact& contact) {
 
 std::pair<int, int> pair_of(const mjContact& contact) {
   return std::minmax({contact.geom1, contact.geom2});
-}
-
-/// Name by which a person finds it in the model.
-std::string name_of(const mjModel& model, int geom) {
-  const char* const name = mj_id2name(&model, mjOBJ_GEOM, geom);
-  if (name != nullptr) return "geom '" + std::string(name) + "'";
-  const char* const body = mj_id2name(&model, mjOBJ_BODY, model.geom_bodyid[geom]);
-  const std::string number = "geom " + std::to_string(geom);
-  return body == nullptr ? number : number + " of body '" + body + "'";
 }
 
 /// How far the surface is from the point or line that carries it: a round geom's radius.
@@ -98,11 +90,9 @@ void NearContacts::begin(const mjModel& model, const mjData& data) {
   if (inside_.empty() || warned_) return;
   warned_ = true;
   const auto [a, b] = *inside_.begin();
-  std::string text = "haptic::mujoco::Tool: " + name_of(model, a) + " and " + name_of(model, b);
+  std::string text = name_of(model, a) + " and " + name_of(model, b);
   if (inside_.size() > 1) text += " and " + std::to_string(inside_.size() - 1) + " other pair(s)";
-  text += " begin inside each other: they are not felt until they were apart";
-  std::replace(text.begin(), text.end(), '%', '_');  // to later releases it is a format
-  mju_warning(text.c_str());
+  warn(text + " begin inside each other: they are not felt until they were apart");
 }
 
 std::vector<NearContact> NearContacts::find(const mjModel& model, mjData& data,

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "constraint_rows.hpp"
+
 namespace haptic::mujoco {
 
 namespace {
@@ -16,24 +18,6 @@ constexpr double kHeaviest = 1e6;                               // kg; beyond, i
 constexpr std::size_t kMostMotions = 6;                         // of Plane::object_direction
 constexpr double kSlips = 1.0 - 1e-6;                           // of friction's cone
 constexpr double kNewMotion = 1e-6;  // square of the part of a direction that is a new one
-
-bool is_contact(int type) {
-  return type == mjCNSTR_CONTACT_FRICTIONLESS || type == mjCNSTR_CONTACT_PYRAMIDAL ||
-         type == mjCNSTR_CONTACT_ELLIPTIC;
-}
-
-/// Calls f(dof, value) for each entry of a row of MuJoCo's constraints.
-template <typename Each>
-void for_parts(const mjModel& model, const mjData& data, int row, Each each) {
-  const bool sparse = mj_isSparse(&model) != 0;
-  const auto begin = sparse ? static_cast<std::size_t>(data.efc_J_rowadr[row])
-                            : static_cast<std::size_t>(row) * static_cast<std::size_t>(model.nv);
-  const int count = sparse ? data.efc_J_rownnz[row] : model.nv;
-  for (int k = 0; k < count; ++k) {
-    const std::size_t at = begin + static_cast<std::size_t>(k);
-    if (data.efc_J[at] != 0.0) each(sparse ? data.efc_J_colind[at] : k, data.efc_J[at]);
-  }
-}
 
 double along(const std::vector<double>& a, const std::vector<double>& b) {
   return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);

@@ -5,8 +5,12 @@
 #include <stdexcept>
 
 #include "aim.hpp"
+#include "coupling.hpp"
+#include "held_back.hpp"
 #include "margins.hpp"
 #include "near_contacts.hpp"
+#include "taken_off.hpp"
+#include "words.hpp"
 
 namespace haptic::mujoco {
 
@@ -45,17 +49,12 @@ struct Tool::State {
   void look_for_jump();
   void aim(const std::vector<double>& x_probe, int count, nanoseconds round_trip);
   void pull();
-  void pull_joint(const Place& place);
-  void pull_frame(const Place& place);
   [[nodiscard]] client::Proxy proxy();
   /// That MuJoCo found since the data began.
   [[nodiscard]] int bad_states() const {
     const mjWarningStat* const warning = data->warning;
     return warning[mjWARN_BADQPOS].number + warning[mjWARN_BADQVEL].number +
            warning[mjWARN_BADQACC].number;
-  }
-  [[nodiscard]] double weight(std::size_t i) const {
-    return options.weights.empty() ? 1.0 : options.weights[i];
   }
 
   mjModel* model;
@@ -64,7 +63,9 @@ struct Tool::State {
   BoundTool tool;
   NearContacts contacts;
   Aim aimed;
+  Coupling coupling;
   Margins margins;
+  HeldBack held_back;
   std::vector<double> probe{};       ///< of the newest state, all coordinates
   std::vector<double> seen{};        ///< the tool as the last step began
   std::vector<mjtNum> rate{};        ///< qvel then
@@ -84,9 +85,14 @@ Tool::State::State(mjModel* m, mjData* d, const std::vector<Binding>& bindings,
       tool(*m, forwarded(*m, *d), bindings, o),
       contacts(tool),
       aimed(tool, options),
-      margins(*m, tool) {
-  for (const Place& place : tool.places()) {
-    if (place.binding.kind == Binding::Kind::kJoint) model->jnt_limited[place.id] = 0;
+      coupling(*m, *d, tool, aimed, options),
+      margins(*m, tool),
+      held_back(tool, coupling, aimed) {
+  take_off_limits(*model, tool);
+  const std::string off = o.keep_actuators ? "" : take_off_actuators(*model, tool);
+  if (!off.empty()) {
+    warn("the device moves joints that have actuators in the model; these are off: " + off +
+         " (keep_actuators leaves them on)");
   }
   restart();
 }
@@ -95,9 +101,11 @@ void Tool::State::restart() {
   margins.grow(0.0);
   mj_forward(model, data);
   probe.assign(tool.coordinates(), 0.0);
+  tool.look(*data);
   tool.read(*data, probe);
   seen = probe;
   aimed.begin(probe);
+  held_back.restart();
   rate.assign(static_cast<std::size_t>(model->nv), 0.0);
   contacts.begin(*model, *data);
   last_time = data->time;
@@ -153,75 +161,15 @@ void Tool::State::pull() {
   last_time = data->time;
   last_step = model->opt.timestep;
   aimed.step();
-  for (int i = 0; i < model->nv; ++i) {
-    if (tool.pulls_dof(i)) data->qfrc_applied[i] = 0.0;
-  }
-  for (const Place& place : tool.places()) {
-    for (const int dof : place.dofs) {
-      data->qfrc_applied[dof] += data->qfrc_bias[dof] - data->qfrc_passive[dof];
-    }
-    if (place.binding.kind == Binding::Kind::kJoint) {
-      pull_joint(place);
-    } else {
-      pull_frame(place);
-    }
-  }
-}
-
-void Tool::State::pull_joint(const Place& place) {
-  const std::size_t i = place.binding.first_coordinate;
-  const int dof = place.dofs[0];
-  const double scale = place.binding.scale, stiffness = options.coupling * weight(i);
-  const double faster = aimed.rate(i) - data->qvel[dof] / scale;
-  data->qfrc_applied[dof] += (stiffness * place.apart(seen[i], aimed.at(i)) +
-                              2.0 * std::sqrt(stiffness * place.mass) * faster) /
-                             scale;
-}
-
-void Tool::State::pull_frame(const Place& place) {
-  const std::size_t first = place.binding.first_coordinate;
-  const auto nv = static_cast<std::size_t>(model->nv);
-  const Vector3 position = position_of(*data, place);
-  std::vector<mjtNum> jacobian(6 * nv);
-  mj_jac(model, data, jacobian.data(), jacobian.data() + 3 * nv, position.data(), place.body);
-  mjtNum speed[6], force[3], torque[3] = {0.0, 0.0, 0.0};
-  mju_mulMatVec(speed, jacobian.data(), data->qvel, 6, model->nv);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double stiffness = options.coupling * weight(first + k);
-    force[k] = stiffness * (aimed.at(first + k) - position[k]) +
-               2.0 * std::sqrt(stiffness * place.mass) * (aimed.rate(first + k) - speed[k]);
-  }
-  if (place.binding.kind == Binding::Kind::kPose) {
-    mjtNum here[4], there[4], back[4], error[4], turn[3];
-    quaternion_of(*data, place, here);
-    for (std::size_t k = 0; k < 4; ++k) {
-      const std::size_t i = first + 3 + (k + 3) % 4;  // MuJoCo has w first
-      there[k] = aimed.at(i);
-      back[k] = aimed.at(i) - aimed.rate(i) * model->opt.timestep;
-    }
-    mju_normalize4(there);
-    mju_normalize4(back);
-    mju_negQuat(back, back);
-    mju_mulQuat(error, there, back);
-    mju_quat2Vel(turn, error, model->opt.timestep);  // of the aim, in the world
-    mju_negQuat(back, here);
-    mju_mulQuat(error, there, back);
-    // Minus the gradient of c w / 2 times the squared length between the two quaternions.
-    const double stiffness = 0.5 * options.coupling * weight(first + 3);
-    const double damping = 2.0 * std::sqrt(0.5 * stiffness * place.inertia);
-    for (std::size_t k = 0; k < 3; ++k) {
-      torque[k] = (error[0] < 0.0 ? -stiffness : stiffness) * error[1 + k] +
-                  damping * (turn[k] - speed[3 + k]);
-    }
-  }
-  mj_applyFT(model, data, force, torque, position.data(), place.body, data->qfrc_applied);
+  coupling.pull(seen);
 }
 
 client::Proxy Tool::State::proxy() {
   look_for_jump();
+  tool.look(*data);
   auto near = contacts.find(*model, *data, seen, rate);
   if (!known || !aimed.following() || share == 0.0) return client::Proxy::free();
-  std::vector<double> x = probe;
+  std::vector<double> x = probe, told(tool.coordinates());
   std::vector<client::Plane> planes;
   for (const NearContact& one : near) {
     client::Plane plane = client::contact_at(seen, one.contact, options.coupling);
@@ -230,11 +178,17 @@ client::Proxy Tool::State::proxy() {
     if (!moves) continue;
     double gives = 0.0;  // the square of the normal's length, in W^-1
     for (std::size_t i = 0; i < x.size(); ++i) {
-      x[i] -= share * plane.normal[i] * one.force / (options.coupling * weight(i));
-      gives += plane.normal[i] * plane.normal[i] / weight(i);
+      x[i] -= share * plane.normal[i] * one.force / (coupling.stiffness(i));
+      gives += plane.normal[i] * plane.normal[i] * options.coupling / coupling.stiffness(i);
+      if (i < told.size()) told[i] += plane.normal[i] * one.force;
     }
     if (share < 1.0) soften(plane, gives, share);
     planes.push_back(std::move(plane));
+  }
+  if (share < 1.0) {
+    held_back.restart();
+  } else {
+    held_back.look(*model, *data, std::move(told));
   }
   if (planes.empty()) return client::Proxy::free();
   // The half spaces as they were seen, with the normals by which x was displaced: joints and

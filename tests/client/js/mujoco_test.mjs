@@ -85,3 +85,60 @@ for (const [name, engine] of [["finger", "npm"], ["hand", "page"]]) {
     for (const [kind, most] of differences) assert.ok(most < 1e-9, `${kind}: ${most}`);
   });
 }
+
+/** Goes to each probe, and holds until it rests. Largest difference of what is told to what the
+ * coupling's spring holds, as tests/mujoco/held_back_test.cpp has it. */
+function press(mujoco, { mjcf, bindings, probes, ...options }) {
+  const model = mujoco.MjModel.from_xml_string(mjcf), data = new mujoco.MjData(model);
+  const said = [], kinds = ["joint", "point", "pose"];
+  const bound = bindings.map(({ kind, ...binding }) => ({ kind: kinds[kind], ...binding }));
+  const tool = new haptic.Tool(mujoco, model, data, bound,
+                               { ...options, warn: (text) => said.push(text) });
+  const off = said.splice(0), engine = new haptic.Engine(mujoco, model, data);
+  let before = probes[0].map(() => 0), worst = 0, touched = 0;
+  for (const probe of probes) {
+    let proxy;
+    for (let i = 1; i <= 45; ++i) {
+      const part = Math.min(1, i / 10);
+      proxy = tool.step(probe.map((x, c) => before[c] + part * (x - before[c])), 1000 / 60);
+    }
+    before = probe;
+    const held = probe.map(() => 0), told = probe.map(
+      (x, c) => proxy.position.length ? options.coupling * (x - proxy.position[c]) : 0);
+    for (const { kind, name, firstCoordinate: c, scale, offset } of bound.toReversed()) {
+      if (kind === "joint") {
+        const at = data.qpos[engine.fixed.jointPos[engine.idOf("JOINT", name)]];
+        held[c] = options.coupling * (probe[c] - (at - offset) / scale);
+        continue;
+      }
+      const body = engine.idOf("BODY", name);
+      for (let k = 0; k < 3; ++k) {
+        held[c + k] = options.coupling * (probe[c + k] - data.xpos[3 * body + k]);
+      }
+      told.fill(0, c + 3);
+    }
+    const most = Math.max(...held.map(Math.abs));
+    touched += told.some((force) => force !== 0);
+    held.forEach((force, c) => {
+      const least = Math.max(Math.abs(force), 0.05 * most, 1e-3 * options.coupling);
+      worst = Math.max(worst, Math.abs(told[c] - force) / least);
+    });
+  }
+  return { worst, touched, said, off };
+}
+
+test("what is told is what holds the tool back, or it says so", { skip, timeout: 600000 }, () => {
+  const count = process.env.HAPTIC_PRESSES ?? "4";
+  const models = execFileSync(vectors, ["--pressed", count], { maxBuffer: 1 << 26 }).toString()
+    .trim().split("\n").map((line) => JSON.parse(line));
+  let quiet = 0;
+  for (const model of models) {
+    const { worst, touched, said, off } = press(engines.npm, model);
+    const percent = (100 * worst).toFixed(3);
+    console.log(model.name, touched, "press, off by", percent, "%", ...off, ...said);
+    assert.equal(said.length > 0, model.warned ?? said.length > 0, model.name);
+    assert.ok(said.length > 0 || (worst <= 0.02 && touched >= count / 2), model.name);
+    quiet += said.length === 0;
+  }
+  assert.ok(models.length >= 30 && quiet >= 24, `${quiet} of ${models.length}`);
+});

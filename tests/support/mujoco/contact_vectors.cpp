@@ -3,12 +3,14 @@
 /// ms; every 20th says the state before it, and what was told after it.
 ///
 ///   haptic_mujoco_vectors MODEL.xml    of client/mujoco/examples
+///   haptic_mujoco_vectors --pressed N  the models of pressed_models.hpp and N probes of each
 
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "tests/mujoco/mujoco_world.hpp"
+#include "tests/support/mujoco/pressed_models.hpp"
 
 namespace {
 
@@ -78,9 +80,36 @@ json told(const client::Proxy& proxy) {
   return {{"position", proxy.position}, {"planes", planes}};
 }
 
+void print_pressed(int presses) {
+  for (const test::PressedModel& model : test::pressed_models()) {
+    json bindings = json::array();
+    for (const mujoco::Binding& one : model.bindings) {
+      bindings.push_back({{"kind", static_cast<int>(one.kind)},
+                          {"name", one.name},
+                          {"firstCoordinate", one.first_coordinate},
+                          {"scale", one.scale},
+                          {"offset", one.offset}});
+    }
+    json line{{"name", model.name},
+              {"mjcf", model.mjcf},
+              {"bindings", bindings},
+              {"coupling", model.coupling},
+              {"warned", nullptr},
+              {"keepActuators", model.keep_actuators},
+              {"probes", test::presses(model, presses)}};
+    if (model.warned) line["warned"] = *model.warned;
+    if (!model.weights.empty()) line["weights"] = model.weights;
+    std::cout << line << "\n";
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 3 && argv[1] == std::string("--pressed")) {
+    print_pressed(std::stoi(argv[2]));
+    return 0;
+  }
   if (argc != 2) return 2;
   const mujoco::World world = mujoco::World::of_file(argv[1]);
   mjModel& model = *world.m();

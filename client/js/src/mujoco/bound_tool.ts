@@ -1,9 +1,10 @@
-/** The bindings of a tool, found in its model: which bodies they move, and how a point of these
- * moves with the device's coordinates. */
+/** The bindings of a tool, found in its model: which bodies they move, themselves and by way of its
+ * constraints, and how a point of these moves with the device's coordinates. */
 import { pointOnPose } from "../contact.js";
 import type { PointMap } from "../contact.js";
 import { countOf } from "./binding.js";
 import type { Binding } from "./binding.js";
+import { CoupledDofs } from "./coupled_dofs.js";
 import type { Engine } from "./engine.js";
 import type { ToolOptions } from "./options.js";
 import { findPlace, positionOf, refuse, refuseStiff, turnOf } from "./places.js";
@@ -13,42 +14,47 @@ import type { Vector3 } from "../vectors.js";
 import { intoFrame, MOST_CURVED, triangle, vectorAt } from "./vectors.js";
 
 const SHORTEST = 1e-3;           // of a quaternion
+const FOLLOWS = 10;              // stiffness of a follower, per the coupling's
+const BEYOND = 1e9;              // m, longer than any tendon
 
-/** The joints that move a body, from it to the base. */
+/** All that moves a body, from it to the base. */
 interface Path {
-  joints: Place[];
+  /** That move. */
+  dofs: number[];
   /** A point or pose. */
   frame?: Place;
-  /** Joints of the tool's own that have a spring. */
-  soft: number[];
 }
 
 export class BoundTool {
+  /** Without second joints of a coordinate, which are coupled.followers. */
   readonly places: Place[] = [];
+  readonly coupled: CoupledDofs;
   /** One beyond the last coordinate that is bound. */
   coordinates = 0;
-  private readonly placeOfJoint = new Map<number, Place>();
+  private readonly seconds: Place[] = [];
   private readonly frameOfBody = new Map<number, Place>();
-  private readonly paths: Path[] = [];
-  private readonly owned: boolean[];
+  private moved: boolean[] = [];
+  private owned: boolean[] = [];
 
-  /** Makes what Tool makes, but changes nothing. After mj_forward. */
+  /** Makes what Tool makes, and changes nothing but the armature of followers. After
+   * mj_forward; the data's constraints are not the model's until the next. Until look() the
+   * tool is all that constraints may ever move. */
   constructor(private readonly engine: Engine, bindings: Binding[], options: ToolOptions) {
-    const { model, fixed } = engine;
+    const { model, fixed, mj, data } = engine;
+    this.coupled = new CoupledDofs(engine);
     if (!(options.coupling > 0)) {
       throw new RangeError(`coupling ${options.coupling}: must be above 0 (N/m, or N m/rad)`);
     }
     for (const binding of bindings) this.add(findPlace(engine, binding));
-    const taken = new Set<number>();
+    const taken = new Set<number>(), weights = options.weights;
     for (const place of this.places) {
       const first = place.binding.firstCoordinate;
       for (let i = first; i < first + countOf(place.binding.kind); ++i) {
         if (taken.has(i)) refuse(place.binding, `coordinate ${i} is bound twice`);
         taken.add(i);
-        const weight = options.weights ? options.weights[i] : 1;
+        const weight = weights ? weights[i] : 1;
         if (weight === undefined) {
-          refuse(place.binding,
-                 `coordinate ${i} has no weight: there are ${options.weights!.length}`);
+          refuse(place.binding, `coordinate ${i} has no weight: there are ${weights!.length}`);
         }
         if (!(weight > 0)) {
           refuse(place.binding, `the weight of coordinate ${i} must be above 0, not ${weight}`);
@@ -56,20 +62,35 @@ export class BoundTool {
         refuseStiff(engine, place, i, options.coupling * weight);
       }
     }
-    this.owned = Array<boolean>(model.nv).fill(false);
-    for (let body = 0; body < model.nbody; ++body) {
-      this.paths.push(this.pathOf(body));
-      if (!this.moves(body)) continue;
-      const first = fixed.bodyDof[body]!;
-      this.owned.fill(true, first, first + fixed.bodyDofs[body]!);
+    for (const one of this.seconds) {
+      this.follow(one, options.coupling * (weights?.[one.binding.firstCoordinate] ?? 1));
     }
+    for (const { binding, body: bound } of this.places) {
+      if (binding.kind === "joint") continue;
+      for (let body = bound; body > 0; body = fixed.bodyParent[body]!) {
+        for (let k = 0; k < fixed.bodyDofs[body]!; ++k) {
+          this.coupled.leaveOut(fixed.bodyDof[body]! + k);
+        }
+      }
+    }
+    // Tendons make rows if they are beyond their limits.
+    const ranges = model.tendon_range.slice();
+    model.tendon_range.fill(BEYOND);
+    mj.mj_fwdPosition(model, data);
+    this.coupled.look(this.coordinates, true);
+    model.tendon_range.set(ranges);
+    this.findMoved();
   }
 
-  moves(body: number): boolean {
-    const { frame, joints } = this.paths[body]!;
-    return frame !== undefined || joints.length > 0;
+  /** Finds what constraints move now. After mj_forward or mj_step. */
+  look(): void {
+    this.coupled.look(this.coordinates);
+    this.findMoved();
   }
-  /** DoFs below a bound body: those of bindings, and those that are the tool's own. */
+  moves(body: number): boolean {
+    return this.moved[body]!;
+  }
+  /** DoFs of bodies that it moves. */
   ownsDof(dof: number): boolean {
     return this.owned[dof]!;
   }
@@ -104,54 +125,54 @@ export class BoundTool {
   /** A point of `body`, which is the tool's, in the world; needs mj_kinematics, mj_comPos. With
    * second derivatives if one pose alone or only joints move it, of at most 8 coordinates. */
   pointOn(body: number, position: Vector3, x: number[]): PointMap {
-    const { joints, frame } = this.paths[body]!;
-    if (joints.length === 0 && frame) return this.byFrame(frame, position, x);
-    const all = frame ? [...joints, frame] : joints;
-    const low = Math.min(...all.map(({ binding }) => binding.firstCoordinate));
-    const high = Math.max(...all.map(
-      ({ binding }) => binding.firstCoordinate + countOf(binding.kind)));
+    const { dofs, frame } = this.pathOf(body), { fixed, mj, model: { nv } } = this.engine;
+    if (dofs.length === 0 && frame) return this.byFrame(frame, position, x);
+    const ways = dofs.map((dof) => this.coupled.way(dof)!);
+    const used = ways.flatMap((way) => [...way.keys()].filter((c) => way[c] !== 0));
+    if (frame) {
+      const { firstCoordinate, kind } = frame.binding;
+      used.push(firstCoordinate, firstCoordinate + countOf(kind) - 1);
+    }
+    const low = used.length > 0 ? Math.min(...used) : 0, high = Math.max(-1, ...used) + 1;
     const jacobian = Array.from({ length: high - low }, (): Vector3 => [0, 0, 0]);
     const map: PointMap = { firstCoordinate: low, position, jacobian, second: [] };
     if (frame) {
       const moved = this.byFrame(frame, position, x);
       moved.jacobian.forEach((way, i) => { jacobian[moved.firstCoordinate - low + i] = way; });
     }
-    const axis = ({ id, binding }: Place): Vector3 =>
-      add([0, 0, 0], binding.scale, vectorAt(this.engine.view("xaxis"), 3 * id));
-    for (const joint of joints) {
-      const arm = add(position, -1, vectorAt(this.engine.view("xanchor"), 3 * joint.id));
-      jacobian[joint.binding.firstCoordinate - low] =
-        joint.turns ? cross(axis(joint), arm) : axis(joint);
-    }
-    if (frame || high - low > MOST_CURVED) return map;
+    const { linear: J } = this.engine.jacobian(body, position);
+    const columns = dofs.map((dof): Vector3 => [J[dof]!, J[nv + dof]!, J[2 * nv + dof]!]);
+    ways.forEach((way, k) => jacobian.forEach((all, c) => {
+      jacobian[c] = add(all, way[low + c]!, columns[k]!);
+    }));
+    const { mjJNT_HINGE: { value: hinge }, mjJNT_SLIDE: { value: slide } } = mj.mjtJoint;
+    const types = dofs.map((dof) => fixed.jointType[fixed.dofJoint[dof]!]!);
+    const simple = types.every((type) => type === hinge || type === slide);
+    if (frame || high - low > MOST_CURVED || !simple) return map;
     map.second = Array.from({ length: triangle(high - low, 0) }, (): Vector3 => [0, 0, 0]);
-    joints.forEach(({ binding: { firstCoordinate: outer } }, k) => {
-      for (const inner of joints.slice(k)) {  // nearer to the base
-        if (!inner.turns) continue;
-        map.second[triangle(outer - low, inner.binding.firstCoordinate - low)] =
-          cross(axis(inner), jacobian[outer - low]!);
+    dofs.forEach((_, outer) => {
+      for (let inner = outer; inner < dofs.length; ++inner) {  // nearer to the base
+        if (types[inner] !== hinge) continue;
+        const axis = vectorAt(this.engine.view("xaxis"), 3 * fixed.dofJoint[dofs[inner]!]!);
+        const bend = cross(axis, columns[outer]!), [a, b] = [ways[outer]!, ways[inner]!];
+        for (let i = low; i < high; ++i) {
+          for (let k = low; k <= i; ++k) {
+            const share = a[i]! * b[k]! + (outer === inner ? 0 : b[i]! * a[k]!);
+            const at = triangle(i - low, k - low);
+            map.second[at] = add(map.second[at]!, share, bend);
+          }
+        }
       }
     });
     return map;
   }
 
-  /** Sum of (n . J)^2 / stiffness over joints with a spring between the binding and this point: how
-   * far a force of 1 N along n bends the tool itself, m/N. */
+  /** How far a force of 1 N along n at this point bends the tool's own joints, m/N: their springs,
+   * and the rows that lead them. */
   give(body: number, position: Vector3, normal: Vector3): number {
-    const { soft } = this.paths[body]!, { mj, model, fixed } = this.engine;
-    if (soft.length === 0) return 0;
-    const { linear: J } = this.engine.jacobian(body, position), nv = model.nv;
-    let sum = 0;
-    for (const joint of soft) {
-      const type = fixed.jointType[joint];
-      const dofs = type === mj.mjtJoint.mjJNT_FREE.value ? 6
-        : type === mj.mjtJoint.mjJNT_BALL.value ? 3 : 1;
-      for (let k = fixed.jointDof[joint]!; k < fixed.jointDof[joint]! + dofs; ++k) {
-        const along = dot(normal, [J[k]!, J[nv + k]!, J[2 * nv + k]!]);
-        sum += along * along / model.jnt_stiffness[joint];
-      }
-    }
-    return sum;
+    const { linear: J } = this.engine.jacobian(body, position), { nv } = this.engine.model;
+    return this.coupled.give((dof) =>
+      this.owned[dof] ? dot(normal, [J[dof]!, J[nv + dof]!, J[2 * nv + dof]!]) : 0);
   }
 
   /** A point that a point or pose carries with it. */
@@ -167,43 +188,65 @@ export class BoundTool {
   }
 
   private add(place: Place): void {
-    const { id, body, binding } = place;
-    if (binding.kind === "joint") {
-      this.placeOfJoint.set(id, place);
+    const { body, binding, dofs } = place, { firstCoordinate: first, kind } = binding;
+    this.coordinates = Math.max(this.coordinates, first + countOf(kind));
+    if (kind === "joint") {
+      if (this.coupled.bound(dofs[0]!)) refuse(binding, "the joint is bound twice");
+      this.coupled.bind(dofs[0]!, first, binding.scale);
     } else {
       if (this.frameOfBody.has(body)) {
         refuse(binding, "its body has two points or poses; one of them must do");
       }
       this.frameOfBody.set(body, place);
     }
-    this.coordinates = Math.max(this.coordinates,
-                                binding.firstCoordinate + countOf(binding.kind));
-    this.places.push(place);
+    const second = kind === "joint" && this.places.some(({ binding: other }) =>
+      other.kind === "joint" && other.firstCoordinate === first);
+    (second ? this.seconds : this.places).push(place);
+  }
+
+  private follow({ binding, dofs, id, mass: own }: Place, spring: number): void {
+    const { fixed, model, opt: { timestep: step } } = this.engine, { scale } = binding;
+    const leader = this.places.find(
+      (other) => other.binding.firstCoordinate === binding.firstCoordinate)!;
+    // The spring is as stiff as both masses allow in a step. A light joint gets armature.
+    const stiffness = Math.min(FOLLOWS * spring, 0.1 * leader.mass / (step * step));
+    const mass = Math.max(own, 4 * step * step * stiffness), square = scale * scale;
+    model.dof_armature[dofs[0]!] += (mass - own) / square;
+    const together = 1 / (1 / mass + 1 / leader.mass), ratio = scale / leader.binding.scale;
+    this.coupled.follow({
+      dof: dofs[0]!, position: fixed.jointPos[id]!, leader: leader.dofs[0]!,
+      leaderPosition: fixed.jointPos[leader.id]!, ratio,
+      offset: binding.offset - ratio * leader.binding.offset, stiffness: stiffness / square,
+      damping: 2 * Math.sqrt(stiffness * together) / square,
+    });
+    leader.mass += mass;
+  }
+
+  private findMoved(): void {
+    const { fixed, model: { nbody, nv } } = this.engine, { coupled } = this;
+    const firm = [true], carried = [false];  // with all that is between a body and the base
+    this.moved = [false];
+    this.owned = Array<boolean>(nv).fill(false);
+    for (let body = 1; body < nbody; ++body) {
+      const parent = fixed.bodyParent[body]!, first = fixed.bodyDof[body]!;
+      const dofs = Array.from({ length: fixed.bodyDofs[body]! }, (_, k) => first + k);
+      const below = this.moved[parent]! || this.frameOfBody.has(body) ||
+        dofs.some((dof) => coupled.bound(dof));
+      firm[body] = firm[parent]! && dofs.every((dof) => coupled.firm(dof));
+      carried[body] = carried[parent]! || dofs.some((dof) => coupled.way(dof) !== undefined);
+      this.moved[body] = below || (firm[body]! && carried[body]!);
+      if (this.moved[body]) for (const dof of dofs) this.owned[dof] = true;
+    }
   }
 
   private pathOf(body: number): Path {
-    const { fixed, model } = this.engine;
-    const found: Path = { joints: [], soft: [] };
-    let pending: number[] = [];
-    const reached = (): void => {  // the springs so far are between a binding and the body
-      found.soft.push(...pending);
-      pending = [];
-    };
+    const { fixed } = this.engine, found: Path = { dofs: [] };
     for (; body > 0; body = fixed.bodyParent[body]!) {
       const frame = this.frameOfBody.get(body);
-      if (frame) {
-        reached();
-        found.frame = frame;
-        break;
-      }
-      for (let k = fixed.bodyJoints[body]! - 1; k >= 0; --k) {
-        const joint = fixed.bodyJoint[body]! + k, bound = this.placeOfJoint.get(joint);
-        if (bound) {
-          reached();
-          found.joints.push(bound);
-        } else if (model.jnt_stiffness[joint] > 0) {
-          pending.push(joint);
-        }
+      if (frame) return { ...found, frame };
+      const first = fixed.bodyDof[body]!;
+      for (let dof = first + fixed.bodyDofs[body]! - 1; dof >= first; --dof) {
+        if (this.coupled.way(dof)) found.dofs.push(dof);
       }
     }
     return found;

@@ -3,16 +3,22 @@ import type { Engine, EngineContact } from "./engine.js";
 
 /** Share of the cone of friction: what is nearer to it slips. */
 const SLIPS = 1 - 1e-6;
+const ROOM = 0.1;  // rad or m, of a tendon that couples
 
 export interface ConstraintRows {
   readonly count: number;
   KBIP: Float64Array;
   R: Float64Array;
+  isEquality(row: number): boolean;
   /** An edge of a pyramid of friction. */
   isEdge(row: number): boolean;
   /** True if a row is a spring now: it pushes, and does not slip. Its force says so, because MuJoCo
    * 3 leaves efc_state as it was where it solves islands. */
   isSpring(row: number): boolean;
+  /** True if a row connects DoFs now: an equality, or a tendon or joint that is at its limit.
+   * `ever`: an equality, or a tendon that leaves little room, whether it is at its limit or
+   * not. */
+  couples(row: number, ever: boolean): boolean;
   /** The contact that a row is of; undefined: another constraint's. */
   contactOf(row: number): EngineContact | undefined;
   /** Calls each(dof, value) for each entry of a row of J. */
@@ -38,8 +44,16 @@ export function rowsOf(engine: Engine, contacts: EngineContact[]): ConstraintRow
   const counts = sparse ? ints(data.efc_J_rownnz) : undefined;
   const columns = sparse ? (data.efc_J_colind as Int32Array).slice() : undefined;
   const contactOf = (row: number) => contact.has(type[row]!) ? contacts[id[row]!] : undefined;
+  const forParts = (row: number, each: (dof: number, value: number) => void): void => {
+    const begin = begins?.[row] ?? row * nv, count = counts?.[row] ?? nv;
+    for (let k = 0; k < count; ++k) {
+      const value = J[begin + k]!;
+      if (value !== 0) each(columns?.[begin + k] ?? k, value);
+    }
+  };
   return {
-    count: n, contactOf, KBIP: floats(data.efc_KBIP, 4), R: floats(data.efc_R),
+    count: n, contactOf, forParts, KBIP: floats(data.efc_KBIP, 4), R: floats(data.efc_R),
+    isEquality: (row) => type[row] === kinds.mjCNSTR_EQUALITY.value,
     isEdge: (row) => type[row] === edge,
     isSpring: (row) => {
       const kind = type[row]!, force = forces[row]!;
@@ -52,12 +66,16 @@ export function rowsOf(engine: Engine, contacts: EngineContact[]): ConstraintRow
                                (along, i) => along / (holds[i]! * normal));
       return Math.hypot(...aside) < SLIPS;
     },
-    forParts: (row, each) => {
-      const begin = begins?.[row] ?? row * nv, count = counts?.[row] ?? nv;
-      for (let k = 0; k < count; ++k) {
-        const value = J[begin + k]!;
-        if (value !== 0) each(columns?.[begin + k] ?? k, value);
-      }
+    couples: (row, ever) => {
+      const kind = type[row]!;
+      if (kind === kinds.mjCNSTR_EQUALITY.value) return true;
+      const tendon = kind === kinds.mjCNSTR_LIMIT_TENDON.value;
+      if (!ever) return (tendon || kind === kinds.mjCNSTR_LIMIT_JOINT.value) && forces[row]! > 0;
+      if (!tendon) return false;
+      let most = 0;
+      forParts(row, (_, value) => { most = Math.max(most, Math.abs(value)); });
+      const [low, high] = model.tendon_range.slice(2 * id[row]!, 2 * id[row]! + 2);
+      return high - low <= ROOM * most;
     },
   };
 }

@@ -69,8 +69,20 @@ export class Engine {
     for (const one of [M, solved, force, opt]) one.delete();
   }
 
+  /** Name by which a person finds it in the model. */
+  nameOfGeom(geom: number): string {
+    const own = this.nameOf("GEOM", geom);
+    if (own) return `geom '${own}'`;
+    const body = this.nameOf("BODY", this.fixed.geomBody[geom]!);
+    return body ? `geom ${geom} of body '${body}'` : `geom ${geom}`;
+  }
+  /** Empty: it has none. */
+  nameOf(type: "ACTUATOR" | "BODY" | "GEOM" | "JOINT", id: number): string {
+    const name = this.mj.mj_id2name(this.model, this.mj.mjtObj[`mjOBJ_${type}`].value, id) ?? "";
+    return this.idOf(type, name) === id ? name : "";  // 3.14.0 gives nonsense if it has none
+  }
   /** -1: there is none. */
-  idOf(type: "BODY" | "JOINT" | "SITE" | "NUMERIC", name: string): number {
+  idOf(type: "ACTUATOR" | "BODY" | "GEOM" | "JOINT" | "SITE" | "NUMERIC", name: string): number {
     return this.mj.mj_name2id(this.model, this.mj.mjtObj[`mjOBJ_${type}`].value, name);
   }
   /** An array of numbers that data keeps at one place for its life: looking at data.qpos takes a

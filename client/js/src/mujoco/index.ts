@@ -18,8 +18,12 @@
  * `coupling`, w the scene's metric. They are generalised forces (qfrc_applied) and not a mocap body
  * with a weld: a weld's stiffness depends on the masses that it meets, and c must be known, because
  * the server solves the same balance. Weight and passive forces of the bound joints are taken off,
- * so only contacts hold the tool back. Their limits are taken off too: the hand that wears the
- * device is where it is, whatever the model thinks.
+ * so only contacts hold the tool back. Their limits, friction and actuators are taken off too: the
+ * hand that wears the device is where it is, whatever the model thinks.
+ *
+ * Equalities and tendons that couple joints (a DIP that follows its PIP, a closed chain) carry on
+ * the force of a contact. What bound joints move by them is the tool, with all of the above. Once a
+ * second what is told is compared with what holds the tool back (ToolOptions.warn).
  *
  * The published proxy is the balance x = xProbe + W^-1 sum J_i^T n_i f_i / c, with the normal
  * forces f_i that MuJoCo computed (mj_contactForce): the proxy of a tool without mass. In free

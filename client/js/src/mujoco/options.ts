@@ -21,6 +21,11 @@ export interface ToolOptions extends Partial<Jumps> {
    * scale_m scale_rad }` in the scene 1 / scale^2, and `coupling` is in J. A quaternion's four
    * weigh alike: c w / 4 is the stiffness of the rotation, N m/rad. */
   weights?: number[];
+  /** Actuators on joints that the device moves stay on, and hold the tool. */
+  keepActuators?: boolean;
+  /** Hears what a person should know: actuators that are off, and once a second where what is told
+   * is not what holds the tool back. Default: console.warn. */
+  warn?: (text: string) => void;
 }
 
 export const JUMPS: Jumps = { jumpM: 0.03, jumpRad: 0.35, slowMS: 0.5, slowRadS: 6 };

@@ -5,18 +5,16 @@ import type { Plane } from "../proxy.js";
 import { Aim } from "./aim.js";
 import type { Binding } from "./binding.js";
 import { BoundTool } from "./bound_tool.js";
+import { Coupling } from "./coupling.js";
 import { Engine } from "./engine.js";
 import type { MainModule, MjData, MjModel } from "./engine.js";
+import { HeldBack } from "./held_back.js";
 import { Margins } from "./margins.js";
 import { NearContacts } from "./near_contacts.js";
 import { JUMPS } from "./options.js";
 import type { Jumps, ToolOptions } from "./options.js";
-import { positionOf, turnOf } from "./places.js";
-import type { Place } from "./places.js";
-import { conjugate, normalised, product, rateOf } from "./vectors.js";
-import type { Quaternion } from "./vectors.js";
+import { TakenOff } from "./taken_off.js";
 
-const NO_LIMIT = 1e9;
 const RISE = 0.2;  // s, as the server's gain (proto/README.md, Staleness and gain)
 
 /** Leaves `share` of the force that the contact has alone: of its spring in series with the
@@ -30,8 +28,8 @@ function soften(plane: Plane, gives: number, share: number): Plane {
   };
 }
 
-/** All bodies below a bound one. Contacts of their geoms with anything else, and with each other,
- * are told. */
+/** All bodies below a bound one, and those that bound joints move by way of equalities and tendons.
+ * Contacts of their geoms with anything else, and with each other, are told. */
 export class Tool {
   readonly #engine: Engine;
   readonly #options: ToolOptions & Jumps;
@@ -39,6 +37,8 @@ export class Tool {
   readonly #contacts: NearContacts;
   readonly #aim: Aim;
   readonly #margins: Margins;
+  readonly #coupling: Coupling;
+  readonly #heldBack: HeldBack;
   #probe: number[] = [];       // of the newest state, all coordinates
   #seen: number[] = [];        // the tool as the last step began
   #rate = new Float64Array(0); // qvel then
@@ -51,15 +51,16 @@ export class Tool {
   #timesFull = 0;
   #timesBad = 0;
 
-  /** `model` and `data` stay the caller's, and must live longer. Changes in `model`: limits of the
-   * bound joints are off, and the gap of the tool's geoms grows by the horizon in which
-   * contacts are told, without a change of where force begins. In `data` qfrc_applied of the
-   * tool's DoFs is the tool's: put forces of your own into xfrc_applied. Runs mj_forward.
+  /** `model` and `data` stay the caller's, and must live longer. Changes in `model`: limits,
+   * friction and actuators of the tool's joints are off, and the gap of the tool's geoms grows
+   * by the horizon in which contacts are told, without a change of where force begins. A second
+   * joint of a coordinate may get armature. In `data` qfrc_applied of the tool's DoFs is the
+   * tool's: put forces of your own into xfrc_applied. Runs mj_forward.
    *
-   * Throws RangeError, which names binding, value and what is allowed: an unknown name, a
-   * coordinate that is bound twice, has no weight or is not below 10000, a ball or free joint, a
-   * scale of 0, a coupling or a weight that is not above 0, and a spring too stiff for the model's
-   * step (step sqrt(c w / m) > 0.5). */
+   * Throws RangeError, which names binding, value and what is allowed: an unknown name, a joint
+   * that is bound twice, a coordinate that is so but by joints, has no weight or is not below
+   * 10000, a ball or free joint, a scale of 0, a coupling or a weight that is not above 0, and
+   * a spring too stiff for the model's step (step sqrt(c w / m) > 0.5). */
   constructor(mujoco: MainModule, model: MjModel, data: MjData, bindings: Binding[],
               options: ToolOptions) {
     mujoco.mj_forward(model, data);
@@ -69,9 +70,15 @@ export class Tool {
     this.#contacts = new NearContacts(this.#engine, this.#tool);
     this.#aim = new Aim(this.#tool, this.#options);
     this.#margins = new Margins(this.#engine, this.#tool);
-    for (const { binding, id } of this.#tool.places) {
-      // Far away, not off: @mujoco/mujoco 3.14.0 throws at a look at jnt_limited.
-      if (binding.kind === "joint") model.jnt_range.set([-NO_LIMIT, NO_LIMIT], 2 * id);
+    this.#coupling = new Coupling(this.#engine, this.#tool, this.#aim, this.#options);
+    this.#heldBack = new HeldBack(this.#engine, this.#tool, this.#aim, this.#coupling,
+                                  (text) => this.#warn(text));
+    const takenOff = new TakenOff(this.#engine, this.#tool);
+    takenOff.limits();
+    const off = options.keepActuators ? "" : takenOff.actuators();
+    if (off !== "") {
+      this.#warn(`the device moves joints that have actuators in the model; these are off: ` +
+        `${off} (keepActuators leaves them on)`);
     }
     this.restart();
   }
@@ -155,38 +162,31 @@ export class Tool {
     this.#lastTime = data.time;
     this.#lastStep = this.#engine.opt.timestep;
     this.#aim.step();
-    const push = new Float64Array(model.nv);
-    const bias = this.#engine.view("qfrc_bias"), passive = this.#engine.view("qfrc_passive");
-    for (const place of this.#tool.places) {
-      for (const dof of place.dofs) push[dof]! += bias[dof]! - passive[dof]!;
-    }
-    for (const place of this.#tool.places) {
-      if (place.binding.kind === "joint") this.#pullJoint(place, push);
-      else this.#pullFrame(place, push);
-    }
-    const applied = this.#engine.view("qfrc_applied");
-    push.forEach((value, dof) => {  // a frame pushes its parents' DoFs, too
-      if (value !== 0 || this.#tool.ownsDof(dof)) applied[dof] = value;
-    });
+    this.#coupling.pull(this.#seen, this.#rate);
   }
 
   /** The proxy of the contacts that the last mj_step found. */
   proxy(): Proxy {
     this.#lookForJump();
+    this.#tool.look();
     const near = this.#contacts.find(this.#seen, this.#rate), { coupling } = this.#options;
     const share = this.#share;
     if (!this.#known || !this.following || share === 0) return Proxy.free();
-    const x = [...this.#probe], planes: Plane[] = [];
+    const x = [...this.#probe], planes: Plane[] = [], told = this.#coupling.pulled.map(() => 0);
     for (const { contact, force } of near) {
       const plane = contactAt(this.#seen, contact, coupling);
       if (plane.normal.every((part) => part === 0)) continue;
       let gives = 0;
       plane.normal.forEach((part, i) => {
-        x[i]! -= share * part * force / (coupling * this.#weight(i));
-        gives += part * part / this.#weight(i);
+        const stiffness = this.#coupling.stiffness(i);
+        x[i]! -= share * part * force / stiffness;
+        gives += part * part * coupling / stiffness;
+        if (i < told.length) told[i]! += part * force;
       });
       planes.push(share < 1 ? soften(plane, gives, share) : plane);
     }
+    if (share < 1) this.#heldBack.restart();
+    else this.#heldBack.look(told);
     // The half spaces as they were seen, with the normals by which x was displaced: joints and
     // friction keep the tool from x, and around x the object curves otherwise.
     return planes.length === 0 ? Proxy.free() : Proxy.behind(planes, x);
@@ -201,7 +201,9 @@ export class Tool {
     this.#margins.grow(0);
     mj.mj_forward(model, data);
     this.#probe = Array<number>(this.#tool.coordinates).fill(0);
+    this.#tool.look();
     this.#tool.read(this.#probe);
+    this.#heldBack.restart();
     this.#seen = [...this.#probe];
     this.#aim.begin(this.#probe);
     this.#rate = new Float64Array(model.nv);
@@ -222,50 +224,8 @@ export class Tool {
     if (first && this.#engine.badStates() !== this.#timesBad) this.restart();
   }
 
-  #weight(i: number): number {
-    return this.#options.weights?.[i] ?? 1;
-  }
-
-  #pullJoint(place: Place, push: Float64Array): void {
-    const { firstCoordinate: i, scale } = place.binding, dof = place.dofs[0]!;
-    const stiffness = this.#options.coupling * this.#weight(i);
-    const faster = this.#aim.rate(i) - this.#rate[dof]! / scale;
-    push[dof]! += (stiffness * place.apart(this.#seen[i]!, this.#aim.at(i)) +
-      2 * Math.sqrt(stiffness * place.mass) * faster) / scale;
-  }
-
-  #pullFrame(place: Place, push: Float64Array): void {
-    const { kind, firstCoordinate: first } = place.binding;
-    const { opt, model: { nv } } = this.#engine;
-    const position = positionOf(this.#engine, place), aim = this.#aim;
-    const { linear, angular } = this.#engine.jacobian(place.body, position);
-    const speed = (jacobian: Float64Array, k: number) => {
-      let sum = 0;
-      for (let i = 0; i < nv; ++i) sum += jacobian[k * nv + i]! * this.#rate[i]!;
-      return sum;
-    };
-    const apply = (jacobian: Float64Array, k: number, force: number) => {
-      for (let i = 0; i < nv; ++i) push[i]! += jacobian[k * nv + i]! * force;
-    };
-    for (let k = 0; k < 3; ++k) {
-      const stiffness = this.#options.coupling * this.#weight(first + k);
-      apply(linear, k, stiffness * (aim.at(first + k) - position[k]!) +
-        2 * Math.sqrt(stiffness * place.mass) * (aim.rate(first + k) - speed(linear, k)));
-    }
-    if (kind === "point") return;
-    const here = turnOf(this.#engine, place), i = first + 3;
-    const of = (f: (i: number) => number): Quaternion =>
-      normalised([f(i + 3), f(i), f(i + 1), f(i + 2)]);  // MuJoCo has w first
-    const there = of((part) => aim.at(part));
-    const back = of((part) => aim.at(part) - aim.rate(part) * opt.timestep);
-    const turn = rateOf(product(there, conjugate(back)), opt.timestep);  // of the aim, in the world
-    const error = product(there, conjugate(here));
-    // Minus the gradient of c w / 2 times the squared length between the two quaternions.
-    const stiffness = 0.5 * this.#options.coupling * this.#weight(i);
-    const damping = 2 * Math.sqrt(0.5 * stiffness * place.inertia);
-    for (let k = 0; k < 3; ++k) {
-      apply(angular, k, (error[0] < 0 ? -stiffness : stiffness) * error[1 + k]! +
-        damping * (turn[k]! - speed(angular, k)));
-    }
+  #warn(text: string): void {
+    const { warn = console.warn } = this.#options;
+    warn(text);
   }
 }

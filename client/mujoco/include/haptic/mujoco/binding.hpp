@@ -42,7 +42,8 @@ struct Binding {
 /// coordinate is the joint of its name. Throws std::invalid_argument, with the name that the model
 /// has not. `joints`: those with another name, sign or zero, each
 /// "NAME=COORDINATE[,SCALE[,OFFSET]]" with the model's and the device's names and qpos = OFFSET +
-/// SCALE x: "knuckle=q_o1_mcp,-1,0.2".
+/// SCALE x: "knuckle=q_o1_mcp,-1,0.2". Several joints may have one coordinate, next to that of its
+/// name too: "dip=q_o2_pip,0.67" lets a DIP follow.
 [[nodiscard]] std::vector<Binding> by_name(
     const mjModel& model, const std::vector<client::VirtualCoordinate>& coordinates,
     const std::vector<std::string>& joints = {});

@@ -15,8 +15,15 @@
 /// is `coupling`, w the scene's metric. They are generalised forces (qfrc_applied) and not a mocap
 /// body with a weld: a weld's stiffness depends on the masses that it meets, and c must be known,
 /// because the server solves the same balance. Weight and passive forces of the bound joints are
-/// taken off, so only contacts hold the tool back. Their limits are taken off too: the hand that
-/// wears the device is where it is, whatever the model thinks.
+/// taken off, so only contacts hold the tool back. Their limits, friction and actuators are taken
+/// off too: the hand that wears the device is where it is, whatever the model thinks.
+///
+/// **What moves with it.** Equalities and tendons that couple joints (a DIP that follows its PIP, a
+/// closed chain) carry on the force of a contact: its gradient goes through them, and what bound
+/// joints move by them is the tool, with all of the above.
+///
+/// **What is told is what holds the tool back.** Once a second both are compared, and mju_warning()
+/// says where they differ by more than 2 %: friction, a weld to the world, a force of your own.
 ///
 /// **What is published** is the balance x = x_probe + W^-1 sum J_i^T n_i f_i / c, with the normal
 /// forces f_i that MuJoCo computed (mj_contactForce): the proxy of a tool without mass. In free
@@ -51,22 +58,27 @@ struct ToolOptions {
   /// object by then: what is told grows to the whole force within 200 ms.
   double jump_m{0.03}, jump_rad{0.35};
   double slow_m_s{0.5}, slow_rad_s{6.0};
+  /// Actuators on joints that the device moves stay on, and hold the tool.
+  bool keep_actuators{false};
 };
 
-/// The part of a model that the device moves: all bodies below a bound one. Contacts of their geoms
-/// with anything else, and with each other, are told. Not safe for several threads.
+/// The part of a model that the device moves: all bodies below a bound one, and those that bound
+/// joints move by way of equalities and tendons. Contacts of their geoms with anything else, and
+/// with each other, are told. Not safe for several threads.
 class Tool {
  public:
-  /// `model` and `data` stay the caller's, and must live longer. Changes in `model`: limits of the
-  /// bound joints are off, and margin and gap of the tool's geoms grow by the horizon in which
-  /// contacts are told, without a change of where force begins. In `data` qfrc_applied of the
-  /// tool's DoFs, and of those that carry a bound site or body, is the tool's: put forces of your
-  /// own into xfrc_applied. Runs mj_forward.
+  /// `model` and `data` stay the caller's, and must live longer. Changes in `model`: limits,
+  /// friction and actuators of the tool's joints are off, and margin and gap of the tool's geoms
+  /// grow by the horizon in which contacts are told, without a change of where force begins. A
+  /// second joint of a coordinate may get armature. In `data` qfrc_applied of the tool's DoFs, and
+  /// of those that carry a bound site or body, is the tool's: put forces of your own into
+  /// xfrc_applied. Runs mj_forward.
   ///
   /// Throws std::invalid_argument, which names binding, value and what is allowed, for these: an
-  /// unknown name, a coordinate that is bound twice, has no weight or is not below 10000; a ball or
-  /// free joint; a scale of 0; a coupling or a weight that is not above 0. It also throws for a
-  /// spring too stiff for the model's step (step sqrt(c w / m) > 0.5).
+  /// unknown name, a joint that is bound twice, a coordinate that is so but by joints, has no
+  /// weight or is not below 10000; a ball or free joint; a scale of 0; a coupling or a weight that
+  /// is not above 0. It also throws for a spring too stiff for the model's step (step sqrt(c w / m)
+  /// > 0.5).
   Tool(mjModel* model, mjData* data, const std::vector<Binding>& bindings,
        const ToolOptions& options);
   ~Tool();

@@ -117,13 +117,14 @@ async function start(scene: string, token?: string): Promise<void> {
       else explain(why);
     },
   });
-  world = new World(mujoco, xml, session.device);
+  let said = "";
+  world = new World(mujoco, xml, session.device, (text) => tell(said = text));
   say({
     kind: "scene", device: session.device.name, geoms: world.geoms(), up: world.up(),
     motors: session.device.dofs.filter(({ actuated }) => actuated)
       .map(({ name, unit }) => ({ name, unit: effortUnit(unit) })),
   });
-  tell("");
+  tell(said);
   await run(session, world);
 }
 

@@ -20,6 +20,7 @@ export class World {
     private readonly mujoco: MainModule,
     xml: string,
     device: Device,
+    warn: (text: string) => void,
   ) {
     this.model = mujoco.MjModel.from_xml_string(xml);
     this.data = new mujoco.MjData(this.model);
@@ -27,7 +28,7 @@ export class World {
     this.bindings = byName(this.engine, device.coordinates);
     const coupling = this.engine.idOf("NUMERIC", "coupling");
     if (coupling < 0) throw new RangeError("the model has no numeric 'coupling'");
-    const options = { coupling: this.model.numeric_data[this.model.numeric_adr[coupling]] };
+    const options = { coupling: this.model.numeric_data[this.model.numeric_adr[coupling]], warn };
     this.tool = new Tool(mujoco, this.model, this.data, this.bindings, options);
     const joints = this.bindings.every(({ kind }) => kind === "joint");
     this.ghost = joints ? new mujoco.MjData(this.model) : null;
@@ -115,13 +116,11 @@ export class World {
     return free ? this.bodyNameOf(geom) : "";
   }
   private nameOf(geom: number): string {
-    const { mj_id2name: name, mjtObj: { mjOBJ_GEOM } } = this.mujoco;
-    return name(this.model, mjOBJ_GEOM.value, geom) || this.bodyNameOf(geom);
+    return this.engine.nameOf("GEOM", geom) || this.bodyNameOf(geom);
   }
   /** Empty: it has none. */
   private bodyNameOf(geom: number): string {
-    const body = this.engine.fixed.geomBody[geom] ?? -1;
-    return this.mujoco.mj_id2name(this.model, this.mujoco.mjtObj.mjOBJ_BODY.value, body) ?? "";
+    return this.engine.nameOf("BODY", this.engine.fixed.geomBody[geom] ?? 0);
   }
   private moves(geom: number): boolean {
     return geom >= 0 && this.tool.moves(this.engine.fixed.geomBody[geom]!);

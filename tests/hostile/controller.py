@@ -34,6 +34,8 @@ def press(connection, device, x, relative):
                 if said == "ARMED":  # at first, and after a loss or a cleared fault
                     session.engage_when_ready()
             for event in session.events():
+                if event.kind == "LOST":
+                    said = ""  # ARMED again, whether or not the states between were seen
                 if event.reason in ("LEASE_PREEMPTED", "LEASE_EXPIRED"):
                     raise haptic.ClientError(event.reason, "another session is needed")
             due = max(due + PERIOD, time.monotonic() - PERIOD)

@@ -42,7 +42,11 @@ TEST(EasedForce, FollowsTheWishItself) {
   EXPECT_EQ(step(force, 5.0, 0.0), 0.0) << "a push into a contact never begins";
   EXPECT_EQ(step(force, 5.0, 3.0), kFadeMost);
   force.follow(one(5.0));
+  EXPECT_EQ(step(force, 2.0, 0.0), 2.0) << "its fall is not added to the wish's";
+  EXPECT_FALSE(force.whole()) << "the next tick holds back";
   EXPECT_NEAR(step(force, 2.0, 0.0), 2.0 - 0.1, 1e-12) << "2 N / 20 ms";
+  force.follow(one(5.0));
+  EXPECT_EQ(step(force, 4.95, 0.0), 5.0 - kFadeMost) << "nor the wish's to its own";
   EXPECT_EQ(step(force, 0.0, 0.0), 0.0) << "the contact is left";
   force.follow(one(2.0));
   EXPECT_LT(step(force, 9.0, 0.0), 2.0) << "what is not allowed does not grow";

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <memory>
 #include <sstream>
 
 #include "haptic/wire/ports.hpp"
@@ -56,6 +57,32 @@ CLI::Validator between(double lowest, double highest) {
           },
           "NUMBER"};
 }
+
+/// A fault by its name, in any case, or by its number, which it becomes.
+CLI::Validator fault() {
+  return {[](std::string& text) {
+            std::string names;
+            for (std::uint32_t number = 1; number < 32; ++number) {
+              const std::string name = client::fault_names(1U << number).front();
+              const std::string digits = std::to_string(number);
+              if (CLI::detail::to_lower(name) == CLI::detail::to_lower(text)) text = digits;
+              if (text == digits) return std::string();
+              if (name != digits) names += (names.empty() ? "" : ", ") + name;
+            }
+            return "'" + text + "' must be a number from 1 to 31 or one of " + names;
+          },
+          "FAULT"};
+}
+
+/// Editors of Windows put a byte order mark at the beginning.
+struct Toml final : CLI::ConfigTOML {
+  std::vector<CLI::ConfigItem> from_config(std::istream& text) const override {
+    const int first = text.peek();
+    if (first >= 0xFE) throw CLI::FileError("is UTF-16, must be UTF-8");
+    if (first == 0xEF) text.ignore(3);
+    return CLI::ConfigTOML::from_config(text);
+  }
+};
 
 std::string variable(const char* name) {
   const char* const value = std::getenv(name);
@@ -146,8 +173,8 @@ void add_commands(CLI::App& cli, Options& options, Command& chosen) {
   add(cli, "estop", estop, chosen, "set the force to zero now; a fault stays latched")
       ->add_option("--reason", options.reason, "for the log");
   add(cli, "clear-fault", clear_fault, chosen, "clear latched faults")
-      ->add_option("fault", options.faults, "fault numbers; none: all that are active")
-      ->check(CLI::Range(1, 31));
+      ->add_option("fault", options.faults, "names or numbers of faults; none: all active ones")
+      ->transform(fault());
   add(cli, "restart-front", restart_front, chosen,
       "replace the process that faces the network; devices and leases go on");
   CLI::App* const examining = add(cli, "doctor", doctor, chosen,
@@ -172,6 +199,7 @@ void define(CLI::App& cli, Options& options, Command& chosen) {
   cli.require_subcommand(0, 1);  // CLI11 then names an unknown command instead of a missing one
   cli.fallthrough();
   cli.allow_config_extras(CLI::config_extras_mode::error);
+  cli.config_formatter(std::make_shared<Toml>());
   cli.footer("The options of hapticctl itself, such as --server and --json, apply too.");
   add_common(cli, options);
   add_commands(cli, options, chosen);

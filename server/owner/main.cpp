@@ -28,6 +28,7 @@
 #include "server/base/version.hpp"
 #include "server/owner/app.hpp"
 #include "server/owner/link/front_program.hpp"
+#include "server/owner/link/listeners.hpp"
 #include "server/owner/scene/shipped.hpp"
 #include "server/owner/telemetry/new_file.hpp"
 #include "server/owner/telemetry/service_manager.hpp"
@@ -155,8 +156,10 @@ int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& 
   // Forked while this thread is the only one: the log has one too.
   std::optional<haptic::server::Launcher> launcher;
   if (!scene.server.offline) {
-    launcher.emplace(haptic::server::front_program(), haptic::server::front_limits(scene));
     if (!line.listen.empty()) scene.server.listen = line.listen;
+    // An address that is taken is said before a device is opened.
+    static_cast<void>(haptic::server::Listeners(scene.server, line.options.insecure_lab));
+    launcher.emplace(haptic::server::front_program(), haptic::server::front_limits(scene));
   }
   if (getpid() == 1) std::signal(SIGCHLD, SIG_IGN);  // in a container: it reaps what others leave
   haptic::server::log_to_stderr(line.options.log_format == "json" ? LogFormat::kJson
@@ -190,7 +193,10 @@ int serve(haptic::server::Scene scene, const CommandLine& line, const sigset_t& 
 /// A file, or the name of a scene that comes with hapticd.
 std::filesystem::path scene_file(const std::string& given) {
   if (std::filesystem::exists(given)) return given;
-  return haptic::server::find_scene(given).value_or(given);
+  if (const auto shipped = haptic::server::find_scene(given)) return *shipped;
+  const std::string like = haptic::server::scene_like(std::filesystem::path(given).stem());
+  if (like.empty()) return given;
+  throw haptic::core::SceneError(given + ": no such file or scene; did you mean " + like + "?");
 }
 
 /// The scenes that come with hapticd, a line each; empty if there are none.

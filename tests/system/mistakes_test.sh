@@ -25,6 +25,9 @@ says() {
 sed 's/stiffness_n_per_m/stifness_n_per_m/' "$scene" >"$folder/typo.textproto"
 printf 'time_s,q_o1_mcp_rad\n0,0\n0.01,0\n' >"$folder/column.csv"
 printf 'time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,0,0\n0.01,nonsense,0\n' >"$folder/number.csv"
+printf 'time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,20,0.2\n0.01,54.3,0.2\n' >"$folder/degrees.csv"
+printf '\357\273\277' | cat - "$scene" >"$folder/bom.textproto"
+tr -d '}' <"$scene" >"$folder/open.textproto"
 motion='device[0].simulated_finger.motion_file'
 
 says 2 '--scene is missing' "$hapticd"
@@ -33,6 +36,13 @@ says 0 'ok' "$hapticd" --scene finger_constant --check-scene
 says 0 'device[0].unguarded: no passivity.tank' "$hapticd" --scene finger_constant --check-scene \
   --set 'device[0].unguarded={}'
 says 2 'No such file' "$hapticd" --scene "$folder/none"
+says 2 'finger_soft_gras: no such file or scene; did you mean finger_soft_grasp?' \
+  "$hapticd" --scene finger_soft_gras
+says 0 'bom.textproto: ok' "$hapticd" --scene "$folder/bom.textproto" --check-scene \
+  --set "$motion=$(dirname "$scene")/motion/reach_and_grasp.csv"
+says 2 ': a } is missing, for the { of line ' "$hapticd" --scene "$folder/open.textproto"
+says 0 "degrees.csv: column q_o1_mcp_rad: values to 54.3: degrees? a finger's joints bend by -1 to \
+2.2 rad" "$hapticd" --scene "$scene" --check-scene --set "$motion=$folder/degrees.csv"
 says 2 'stifness_n_per_m: unknown field' "$hapticd" --scene "$folder/typo.textproto" --check-scene
 says 2 'at most what the device can give, 40' "$hapticd" --scene "$scene" --check-scene \
   --set 'device[0].limits.force_n=41'
@@ -85,6 +95,12 @@ says 2 'none.toml' "$hapticctl" --config "$folder/none.toml" info
 printf 'json = true\n\nservr = "unix:/x"\n' >"$folder/broken.toml"
 says 2 'broken.toml:3: no option of hapticctl: servr' \
   "$hapticctl" --config "$folder/broken.toml" info
+printf '\357\273\277server = "unix:/marked"\n' >"$folder/marked.toml"
+says 3 'no hapticd answers at unix:/marked' "$hapticctl" --config "$folder/marked.toml" info
+printf '\377\376s\0' >"$folder/wide.toml"
+says 2 'wide.toml:1: is UTF-16, must be UTF-8' "$hapticctl" --config "$folder/wide.toml" info
+says 2 "'EMERGENCY' must be a number from 1 to 31 or one of DEVICE_SILENT, DEVICE_LOST, " \
+  "$hapticctl" clear-fault EMERGENCY
 printf '[watch]\nrate = "fast"\n' >"$folder/broken.toml"
 says 2 'broken.toml:2: --rate: must be a number' "$hapticctl" --config "$folder/broken.toml" info
 
@@ -105,14 +121,16 @@ says 3 'no hapticd answers at unix:/of-command' \
 server=$!
 tries=0
 until [ -S "$folder/s" ] || [ "$tries" -ge 100 ]; do tries=$((tries + 1)); sleep 0.1; done
-says 1 'in use' "$hapticd" --scene "$scene" --listen "unix:$folder/s"
+says 1 "hapticd: listen address 'unix:$folder/s': in use by another process; choose another one: \
+--listen, or --set a field of server" "$hapticd" --scene "$scene" --listen "unix:$folder/s"
+[ "$(echo "$output" | wc -l)" -eq 1 ] || says none 'an address in use is said first' true
 ctl 4 'must be one of finger' --device thumb info
 ctl 0 'finger' info
 ctl 0 '"state":"' engage --json --seconds 0.2
 ctl 0 '"sessions": []' link --json
 ctl 0 '{"locally":true,"stopped":["finger"]}' estop --json
 ctl 5 'EMERGENCY_STOP' engage
-ctl 0 '{"cleared":["EMERGENCY_STOP"]}' clear-fault --json
+ctl 0 '{"cleared":["EMERGENCY_STOP"]}' clear-fault emergency_stop --json
 kill -TERM "$server"
 wait "$server" || { echo "FAILED: hapticd ended with status $?"; failures=$((failures + 1)); }
 

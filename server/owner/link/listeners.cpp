@@ -41,12 +41,13 @@ sockaddr_un unix_name(const std::string& path) {
   return name;
 }
 
+const std::string kChoose = "; choose another one: --listen, or --set a field of server";
 void check_unix(const std::string& address) {
   const std::string path = unix_path(address);
   struct stat existing {};
   if (stat(path.c_str(), &existing) != 0) return;
   if (!S_ISSOCK(existing.st_mode)) refuse(address, "the path exists and is no socket");
-  if (answers(unix_name(path))) refuse(address, "in use by another process");
+  if (answers(unix_name(path))) refuse(address, "in use by another process" + kChoose);
 }
 
 /// Several sockets of this user may have the port from now on.
@@ -287,7 +288,7 @@ std::string Listeners::bind_name(const std::string& address, int type) {
       failed = errno;
       // localhost has an address of IPv6 on hosts that have no IPv6.
       if (failed == EADDRNOTAVAIL || failed == EAFNOSUPPORT) continue;
-      throw cannot_bind(std::strerror(failed));
+      throw cannot_bind(std::strerror(failed) + (failed == EADDRINUSE ? kChoose : ""));
     }
     keep(std::move(made), type);
     port = ntohs(reinterpret_cast<const sockaddr_in&>(sockets_.back().name).sin_port);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <numeric>
 
 namespace haptic::server {
 namespace {
@@ -22,6 +23,21 @@ std::string summary_of(const fs::path& file) {
     }
   }
   return text;
+}
+
+/// Number of letters to add, leave out or replace (V. I. Levenshtein, 1966).
+std::size_t changes_between(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (const char letter : a) {
+    std::size_t corner = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = corner + (letter == b[j] ? 0 : 1);
+      corner = row[j + 1];
+      row[j + 1] = std::min({replaced, corner + 1, row[j] + 1});
+    }
+  }
+  return row.back();
 }
 
 }  // namespace
@@ -48,6 +64,18 @@ std::vector<ShippedScene> shipped_scenes(const fs::path& folder) {
   std::sort(scenes.begin(), scenes.end(),
             [](const ShippedScene& a, const ShippedScene& b) { return a.name < b.name; });
   return scenes;
+}
+
+std::string scene_like(const std::string& name, const fs::path& folder) {
+  std::string nearest;
+  std::size_t least = name.size() / 3 + 1;
+  for (const ShippedScene& scene : shipped_scenes(folder)) {
+    const std::size_t changes = changes_between(name, scene.name);
+    if (changes >= least) continue;
+    least = changes;
+    nearest = scene.name;
+  }
+  return nearest;
 }
 
 std::optional<fs::path> find_scene(const std::string& name, const fs::path& folder) {

@@ -27,4 +27,8 @@ struct ShippedScene {
 [[nodiscard]] std::optional<std::filesystem::path> find_scene(
     const std::string& name, const std::filesystem::path& folder = shipped_scenes_folder());
 
+/// The name of the shipped scene that `name` was probably meant to be; empty: none is like it.
+[[nodiscard]] std::string scene_like(const std::string& name,
+                                     const std::filesystem::path& folder = shipped_scenes_folder());
+
 }  // namespace haptic::server

@@ -58,6 +58,28 @@ std::string line_and_column(const std::string& text, std::size_t offset) {
   return std::to_string(lines + 1) + ":" + std::to_string(offset - start + 1);
 }
 
+/// The end of the comment or quoted text that begins at `at`.
+std::size_t end_of_opaque(const std::string& text, std::size_t at) {
+  const char closing = text[at] == '#' ? '\n' : text[at];
+  for (++at; at < text.size() && text[at] != closing && text[at] != '\n'; ++at) {
+    if (closing != '\n' && text[at] == '\\') ++at;
+  }
+  return at;
+}
+
+/// Offsets of the brackets that no other one closes, outermost first. It stops at a depth that no
+/// scene has: the parser does not count the depth of what it skips.
+std::vector<std::size_t> open_brackets(const std::string& text) {
+  std::vector<std::size_t> open;
+  for (std::size_t at = 0; at < text.size() && open.size() <= 2 * kDeepestNesting; ++at) {
+    const char c = text[at];
+    if (c == '#' || c == '"' || c == '\'') at = end_of_opaque(text, at);
+    if (c == '{' || c == '<' || c == '[') open.push_back(at);
+    if ((c == '}' || c == '>' || c == ']') && !open.empty()) open.pop_back();
+  }
+  return open;
+}
+
 /// Leaves the errors of a text to its parser.
 struct Unheard final : io::ErrorCollector {
   void AddError(int /*line*/, int /*column*/, const std::string& /*message*/) override {}
@@ -70,7 +92,10 @@ class Collector final : public io::ErrorCollector {
 
   void AddError(int line, int column, const std::string& message) override {
     if (full()) return;
-    errors.push_back(at(offset_of(text_, line, column)) + explained(message));
+    const std::vector<std::size_t> open = open_brackets(text_);
+    const bool at_the_end = message.ends_with("got: ") || message.ends_with("found \"\".");
+    errors.push_back(at(offset_of(text_, line, column)) +
+                     (at_the_end && !open.empty() ? missing(open.back()) : explained(message)));
   }
   /// Unknown fields: the parser skips them, so that all are found. It warns after it has read the
   /// token behind the name, so the name is searched backwards.
@@ -113,38 +138,25 @@ class Collector final : public io::ErrorCollector {
   [[nodiscard]] std::string at(std::size_t offset) const {
     return name_ + ":" + line_and_column(text_, offset) + ": ";
   }
+  /// Names the bracket that closes the one at `open`.
+  [[nodiscard]] std::string missing(std::size_t open) const {
+    const char opening = text_[open];
+    const char closing = opening == '{' ? '}' : opening == '[' ? ']' : '>';
+    const std::string place = line_and_column(text_, open);
+    return std::string("a ") + closing + " is missing, for the " + opening + " of line " +
+           place.substr(0, place.find(':')) + " or for one within it";
+  }
   const std::string& text_;
   const std::string& name_;
 };
-
-/// The end of the comment or quoted text that begins at `at`.
-std::size_t end_of_opaque(const std::string& text, std::size_t at) {
-  const char closing = text[at] == '#' ? '\n' : text[at];
-  for (++at; at < text.size() && text[at] != closing && text[at] != '\n'; ++at) {
-    if (closing != '\n' && text[at] == '\\') ++at;
-  }
-  return at;
-}
-
-/// The parser does not count the depth of what it skips, so the depth is checked before it runs.
-bool nests_too_deeply(const std::string& text) {
-  int depth = 0;
-  for (std::size_t at = 0; at < text.size(); ++at) {
-    const char c = text[at];
-    if (c == '#' || c == '"' || c == '\'') at = end_of_opaque(text, at);
-    if (c == '{' || c == '<' || c == '[') ++depth;
-    if (c == '}' || c == '>' || c == ']') --depth;
-    if (depth > 2 * kDeepestNesting) return true;
-  }
-  return false;
-}
 
 void check_size_and_nesting(const std::string& text, const std::string& name) {
   if (text.size() > kLargestScene) {
     throw core::SceneError(name + ": has more than " + std::to_string(kLargestScene) +
                            " bytes, the most that a scene may have");
   }
-  if (nests_too_deeply(text)) throw core::SceneError(name + ": its messages are nested too deeply");
+  if (open_brackets(text).size() > 2 * kDeepestNesting)
+    throw core::SceneError(name + ": its messages are nested too deeply");
 }
 
 }  // namespace
@@ -182,7 +194,8 @@ void parse_text(const std::string& text, const std::string& name, v1::Scene& mes
 }
 
 std::string parse_fragment(const std::string& text, google::protobuf::Message& message) {
-  if (text.size() > kLargestScene || nests_too_deeply(text)) return "too long or too deeply nested";
+  if (text.size() > kLargestScene || open_brackets(text).size() > 2 * kDeepestNesting)
+    return "too long or too deeply nested";
   const std::string name = "value";
   Collector collector(text, name);
   TextFormat::Parser parser;

@@ -28,7 +28,12 @@ TEST(SceneErrors, TextNamesPlaceAndRule) {
       {"twice", finger("name: \"finger\"", "name: \"a\" name: \"b\""), "t.textproto:3:"},
       {"two sources", finger("simulated_finger {}", "simulated_finger {} replay {}"),
        "t.textproto:4:"},
-      {"unfinished", kFinger.substr(0, kFinger.size() - 3), "t.textproto:9:25: "},
+      {"unfinished", kFinger.substr(0, kFinger.size() - 3),
+       "t.textproto:9:25: a } is missing, for the { of line 2 or for one within it"},
+      {"unfinished list", "name: \"t\"\nserver { listen: [\"a:1\"\n",
+       "t.textproto:3:1: a ] is missing, for the [ of line 2 or for one within it"},
+      {"unfinished within", finger("1500\n  }", "1500"),
+       ": a } is missing, for the { of line 2 or for one within it"},
       {"not a scene at all",
        "\x7f"
        "ELF",

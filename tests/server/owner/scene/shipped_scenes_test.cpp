@@ -167,5 +167,14 @@ TEST(ShippedScenesByName, OnlyNamesAreFound) {
   EXPECT_EQ(server::find_scene("finger_constant", ""), std::nullopt);
 }
 
+TEST(ShippedScenesByName, TheLikestIsMeant) {
+  EXPECT_EQ(server::scene_like("finger_soft_gras", kScenes), "finger_soft_grasp");
+  EXPECT_EQ(server::scene_like("finger_softgrasp", kScenes), "finger_soft_grasp");
+  EXPECT_EQ(server::scene_like("fnger-constatn", kScenes), "finger_constant");
+  for (const char* name : {"", "x", "none", "my_own_glove"}) {
+    EXPECT_EQ(server::scene_like(name, kScenes), "") << name;
+  }
+}
+
 }  // namespace
 }  // namespace haptic::test

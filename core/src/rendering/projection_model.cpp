@@ -204,7 +204,9 @@ void require_rank(const ProjectionModel& model) {
   throw SceneError("prior: must be given, because the condition of J exceeds " +
                    std::to_string(static_cast<int>(kWellConditioned)) + " in " +
                    std::to_string(worse) + " of " + std::to_string(found) +
-                   " poses: x does not determine q");
+                   " poses: " + std::to_string(model.layout().n_n()) + " sensed DoFs, " +
+                   std::to_string(model.n_x()) +
+                   " coordinates, which do not determine q: say which springs hold the rest");
 }
 
 }  // namespace haptic::core

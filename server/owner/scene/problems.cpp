@@ -89,6 +89,10 @@ void Problems::add(std::string line) {
   if (told()) lines_.push_back(std::move(line));
 }
 
+void Problems::advise(const std::string& instead) {
+  if (told() && !lines_.empty()) lines_.back() += ": " + instead;
+}
+
 void Problems::raise() const {
   if (count_ == 0) return;
   std::string all;

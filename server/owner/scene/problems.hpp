@@ -45,6 +45,8 @@ class Problems {
   void missing(const FieldPath& path, const std::string& rule);
   /// A line that names its place itself.
   void add(std::string line);
+  /// Ends the newest problem with what to write instead.
+  void advise(const std::string& instead);
   /// `n` problems that are counted, and not told.
   void add_untold(std::size_t n) noexcept { count_ += n; }
 

@@ -36,6 +36,9 @@ void check_order(const Fields& part, const core::StalenessLimits& limits) {
   if (fade > kLongestFade) fade_must_be("at most", kLongestFade);
 }
 
+/// For any x; these are the defaults.
+constexpr const char* kMetricThatFits = "metric { scale_m: 0.005 scale_rad: 0.1 }";
+
 /// `numbers` row by row as n times n.
 Eigen::MatrixXd square(const Fields::Numbers& numbers, int n) {
   return Eigen::Map<const Eigen::MatrixXd>(numbers.data(), n, n).transpose();
@@ -78,6 +81,25 @@ core::Prior read_prior(const Part<v1::PriorScene>& part, int n_n) {
   return prior;
 }
 
+/// A prior that fits: its springs are as stiff as those of the motors, where a turn by 1 rad counts
+/// as a shift by 0.1 m.
+std::string prior_that_fits(const Part<v1::DeviceScene>& part, const core::Kinematics& kinematics) {
+  constexpr double kLever = 0.1;  // m
+  const auto in_metres = [&](core::Unit unit) { return unit == core::Unit::kMetre ? 1.0 : kLever; };
+  const auto& given = part->impedance().stiffness_n_per_m();
+  double stiffness = given.empty() || !(given[0] > 0.0) ? 1.0 : given[0];
+  const auto& dofs = kinematics.dofs();
+  const auto motor = std::find_if(dofs.begin(), dofs.end(), [](auto& dof) { return dof.actuated; });
+  if (motor != dofs.end()) stiffness /= in_metres(motor->unit) * in_metres(motor->unit);
+  std::string springs;
+  for (const core::DofSpec& dof : dofs) {
+    if (dof.actuated) continue;
+    springs += (springs.empty() ? "" : ", ") +
+               figure(stiffness * in_metres(dof.unit) * in_metres(dof.unit));
+  }
+  return "prior { weight: 1e-4 sensed_stiffness: [" + springs + "] }";
+}
+
 core::ProjectionSettings read_projection(const Part<v1::DeviceScene>& part,
                                          const core::Kinematics* kinematics) {
   core::ProjectionSettings settings;
@@ -88,13 +110,18 @@ core::ProjectionSettings read_projection(const Part<v1::DeviceScene>& part,
   } else if (kinematics->space().mixes_units()) {
     part.missing("metric", "x holds metres and radians, which have no common distance");
   }
+  if (part.problems().count() > before) part.problems().advise(kMetricThatFits);
+  const std::size_t with_metric = part.problems().count();
   if (part->has_prior()) {
     settings.prior = read_prior(part.part<v1::PriorScene>("prior"), kinematics->layout().n_n());
   }
+  const bool wrong = part.problems().count() > with_metric;
   if (part.problems().count() == before) {
     part.attempt("", "{ ... }",
                  [&] { core::require_rank(core::ProjectionModel(*kinematics, settings)); });
   }
+  const bool absent = !part->has_prior() && part.problems().count() > with_metric;
+  if (wrong || absent) part.problems().advise(prior_that_fits(part, *kinematics));
   return settings;
 }
 

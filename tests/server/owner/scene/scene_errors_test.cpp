@@ -212,7 +212,10 @@ TEST(SceneErrors, LinearMapNamesPlaceAndRule) {
        "t.textproto:2: device[0].metric: is required: x holds metres and radians"},
       {"fewer coordinates than DoFs without a prior",
        linear("prior { weight: 0.1 sensed_stiffness: 3 }", ""),
-       "t.textproto:2: device[0] = { ... }: prior: must be given"},
+       "t.textproto:2: device[0] = { ... }: prior: must be given, because the condition of J "
+       "exceeds "
+       "100 in 256 of 256 poses: 1 sensed DoFs, 1 coordinates, which do not determine q: say which "
+       "springs hold the rest: prior { weight: 1e-4 sensed_stiffness: [0.05] }"},
       {"W and scales", linear("limits {", "metric { scale_m: 1 W: 1 } limits {"),
        "device[0].metric.W = { with scales }: must be either W or scale_m and scale_rad"},
       {"W that is not positive definite", finger("limits {", "metric { W: [1, 4, 4, 4] } limits {"),
@@ -221,6 +224,36 @@ TEST(SceneErrors, LinearMapNamesPlaceAndRule) {
       {"prior of a finger", finger("limits {", "prior { weight: 1 sensed_stiffness: 1 } limits {"),
        "prior: must be absent, because this map has an inverse in closed form"},
   });
+}
+
+/// Pastes what the error of `wrong` ends with into `rest`, which lacks it.
+void expect_advice(const std::string& wrong, const std::string& rest) {
+  const std::string error = error_of(wrong);
+  const std::size_t advice = std::max(error.rfind("prior {") + 1, error.rfind("metric {") + 1);
+  ASSERT_NE(advice, 0u) << error;
+  EXPECT_EQ(error_of(replaced(rest, "limits {", error.substr(advice - 1) + " limits {")),
+            "no error");
+}
+
+TEST(SceneErrors, AdviceCanBePasted) {
+  const std::string prior = "prior { weight: 0.1 sensed_stiffness: 3 }";
+  const std::string none = linear(prior, "");
+  expect_advice(none, none);
+  for (const char* bad : {"prior { sensed_stiffness: 3 }", "prior { weight: 0.1 }",
+                          "prior { weight: 1 sensed_stiffness: [1, 2] }",
+                          "prior { weight: 1 sensed_stiffness: -1 }"}) {
+    expect_advice(linear(prior, bad), none);
+  }
+  const std::string one_motor = shipped_text("linear_one_motor");
+  const std::string shipped = "prior { weight: 1e-4 sensed_stiffness: [0.3, 0.3] }";
+  expect_advice(replaced(one_motor, shipped, ""), replaced(one_motor, shipped, ""));
+  const std::string mixed =
+      linear("A: [1, 0.5]", "coordinate { name: \"a\" unit: \"rad\" }\n A: [1, 0.5, 1, 1]");
+  expect_advice(replaced(mixed, prior, ""), replaced(mixed, prior, ""));
+  for (const char* bad : {"metric { scale_m: 0 }", "metric { W: [1, 2] }",
+                          "metric { W: [1, 4, 4, 4] }", "metric { scale_m: 1 W: [1, 0, 0, 1] }"}) {
+    expect_advice(replaced(mixed, prior, bad), replaced(mixed, prior, ""));
+  }
 }
 
 TEST(SceneErrors, DaemonNamesPlaceAndRule) {

@@ -42,10 +42,6 @@ public sealed class HapticException : Exception {
 public sealed partial class HapticSession : IDisposable {
   const int LargestMessage = 65536, MostEvents = 256, MostPlanes = 32;
   static readonly TimeSpan Silence = TimeSpan.FromSeconds(2.5);
-  // Refusals of Engage that time and more samples cure.
-  static readonly HashSet<string> Curable = new HashSet<string> {
-      "NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE", "DEVICE_STALE",
-      "TRACKER_STALE", "NEVER_FREE", "OUTSIDE_WINDOW"};
   static readonly HttpClient Http = new HttpClient {
       Timeout = Timeout.InfiniteTimeSpan, MaxResponseContentBufferSize = LargestMessage};
 

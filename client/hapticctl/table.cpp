@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "commands.hpp"
 #include "convert_state.hpp"
@@ -114,6 +115,13 @@ std::string derated(const client::DeviceInfo& device, const client::DeviceState&
   return words;
 }
 
+/// The limits that act, in words.
+Rows limits(const client::DeviceState& s) {
+  return schema::bit_words(
+      *v1::DeviceState::descriptor()->FindFieldByNumber(v1::DeviceState::kLimitersFieldNumber),
+      s.limiters);
+}
+
 nlohmann::json schema_of(const pb::Descriptor& type, const schema::Labels& labels) {
   static constexpr const char* kAxes[]{"", "dof", "actuated", "coordinate"};
   nlohmann::json list = nlohmann::json::array();
@@ -148,6 +156,14 @@ Rows table(const client::DeviceInfo& device, const client::DeviceState& s, doubl
                  static_cast<unsigned long long>(conflated))};
   add_items(scalars(message), width, rows);
   if (const std::string words = derated(device, s); !words.empty()) rows.push_back("  " + words);
+  for (const std::string& words : limits(s)) {
+    rows.emplace_back(" ");
+    std::istringstream all(words);
+    for (std::string word; all >> word;) {
+      if (rows.back().size() + word.size() + 1 > width) rows.emplace_back("   ");
+      rows.back() += " " + word;
+    }
+  }
   for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
     const pb::FieldDescriptor& field = *message.GetDescriptor()->field(i);
     if (field.is_repeated() && reflection.FieldSize(message, &field) > 0) {
@@ -180,6 +196,7 @@ std::string line(const client::DeviceInfo& device, const client::DeviceState& s,
     all += "  " + age("pose", s.tracker->seq_used, s.tracker->staleness, s.tracker->age);
   }
   if (const std::string words = derated(device, s); !words.empty()) all += "  " + words;
+  for (const std::string& words : limits(s)) all += "  " + words;
   return all + "  faults " + joined(client::fault_names(s.faults));
 }
 

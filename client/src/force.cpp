@@ -1,8 +1,9 @@
 #include "force.hpp"
 
-#include <algorithm>
-#include <iterator>
+#include <string>
 #include <utility>
+
+#include "haptic/v1/field_options.pb.h"
 
 namespace haptic::client {
 
@@ -18,13 +19,10 @@ constexpr milliseconds kFaultMayBeOld{250};
 
 /// True if time and more samples can cure the refusal.
 bool curable(const ClientError& refused) {
-  constexpr const char* kCurable[] = {"NOT_ARMED",    "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES",
-                                      "STREAM_STALE", "DEVICE_STALE",     "TRACKER_STALE",
-                                      "NEVER_FREE",   "OUTSIDE_WINDOW",   "NO_ANSWER"};
+  v1::EngageWait wait{};
   return refused.reason() == ErrorReason::kTimeout ||
          refused.reason() == ErrorReason::kUnreachable ||
-         std::find(std::begin(kCurable), std::end(kCurable), refused.server_reason()) !=
-             std::end(kCurable);
+         v1::EngageWait_Parse("ENGAGE_WAIT_" + std::string(refused.server_reason()), &wait);
 }
 
 }  // namespace

@@ -16,12 +16,12 @@ std::string_view reason(Fault fault) noexcept {
 }
 
 std::string_view reason(Limiter limiter) noexcept {
-  static constexpr std::array<std::string_view, 18> kNames{
-      "SATURATION",  "SLEW",        "ENVELOPE",  "DIRECTION_GUARD",
-      "RANGE_CLAMP", "ENERGY_TANK", "PASSIVITY", "INFEASIBLE_PLANES",
-      "UNKNOWN",     "POWER",       "RATE",      "TEMPERATURE",
-      "DRIVE_LIMIT", "CONTACTS",    "SINGULAR",  "BRANCH",
-      "NEVER_FREE",  "DERATED"};
+  static constexpr std::array<std::string_view, 21> kNames{
+      "SATURATION",  "SLEW",        "ENVELOPE",          "DIRECTION_GUARD", "RANGE_CLAMP",
+      "ENERGY_TANK", "PASSIVITY",   "INFEASIBLE_PLANES", "UNKNOWN",         "POWER",
+      "RATE",        "TEMPERATURE", "DRIVE_LIMIT",       "CONTACTS",        "SINGULAR",
+      "BRANCH",      "NEVER_FREE",  "DERATED",           "OUTSIDE_WINDOW",  "TOO_FAST",
+      "NOT_FELT"};
   return name_of(limiter, kNames);
 }
 

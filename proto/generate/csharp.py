@@ -82,7 +82,13 @@ def state(schema: Schema) -> list[str]:
         arrived = ["  internal long Arrived;  // by HapticSession's clock"]
         types += _class(schema, f"class {_name(message)}", message.comment, message.fields,
                         Field.about, arrived if message.name == "DeviceState" else [])
-    return _file(types, [line for message in messages for line in _reader(schema, message)])
+    waits = ", ".join(f'"{name}"' for name, number in schema.enums["EngageWait"].values if number)
+    curable = ["", *wrapped(schema.enums["EngageWait"].comment, "  // "),
+               "  static readonly System.Collections.Generic.HashSet<string> Curable =",
+               *wrapped(f"new System.Collections.Generic.HashSet<string> {{ {waits} }};",
+                        "      ", "          ")]
+    readers = [line for message in messages for line in _reader(schema, message)]
+    return _file(types, [*curable, *readers])
 
 
 def plane(schema: Schema) -> list[str]:

@@ -12,7 +12,7 @@ cd "$root" || exit 2
 limit() { # limit FILE
   case $1 in
     # The exceptions, each with its reason.
-    proto/haptic/v1/*.proto) echo 480 ;;           # a format is read as one page
+    proto/haptic/v1/*.proto) echo 490 ;;           # a format is read as one page
     core/src/model/finger_reach.cpp) echo 320 ;;   # one derivation, case by case
     hw/board/board_host.cpp) echo 335 ;;           # one protocol, all its messages
     client/csharp/HapticSession.cs) echo 560 ;;    # one class, and its wire

@@ -96,6 +96,19 @@ TEST(Table, SaysWhyStiffnessIsDerated) {
   EXPECT_THAT(shown(state, 79, device), HasSubstr(std::string(kWords) + "\n"));
 }
 
+TEST(Table, SaysWhatLimitsMean) {
+  client::DeviceState state = full_state();
+  state.limiters = 1U << 5 | 1U << 19;
+  const char* const sentences[] = {
+      "Energy tank is empty: A change is held back; allowed_power_w would allow more.",
+      "Samples come too fast: More than twice as many as announced are not fresh."};
+  for (const std::string sentence : sentences) {
+    EXPECT_THAT(line(slider(), state, 1.5), HasSubstr("  " + sentence));
+    EXPECT_THAT(shown(state, 200), HasSubstr("  " + sentence + "\n"));
+  }
+  EXPECT_THAT(shown(state, 79), HasSubstr("would allow\n    more."));
+}
+
 TEST(Table, KeepsWithinItsWidth) {
   for (const std::string& row : table(slider(), full_state(), 1.5, 3, 79)) {
     EXPECT_LE(row.size(), 79u) << row;

@@ -1,9 +1,11 @@
 /** Knows if the user wants force, and asks for it in the background: every 50 ms, until the
  * server agrees. Rules as in the C++ client's class of this name. */
 import { ClientError } from "./errors.js";
+import { EngageWaitSchema } from "./gen/haptic/v1/field_options_pb.js";
 import { Event_Kind } from "./gen/haptic/v1/session_pb.js";
 import type { Event } from "./gen/haptic/v1/session_pb.js";
 import { PREEMPTED, endsLease } from "./reconnection.js";
+import { enumName } from "./state_fields.js";
 
 const RETRY_MS = 50;
 /** After the server agreed, a state says ENGAGING before this is over. */
@@ -11,8 +13,8 @@ const AGREED_MS = 200;
 /** A FAULT this soon after want() may be older than the clearFault() that came before it. */
 const FAULT_MAY_BE_OLD_MS = 250;
 /** Refusals that time and more samples can cure. */
-const CURABLE = new Set(["NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE",
-  "DEVICE_STALE", "TRACKER_STALE", "NEVER_FREE", "OUTSIDE_WINDOW", "NO_ANSWER"]);
+const CURABLE = new Set(EngageWaitSchema.values.map(({ number }) =>
+  enumName(EngageWaitSchema, number)));
 
 /** Why an event ends the asking for force; undefined: it does not. `again`: force may come back. */
 export function endOfForce(event: Event, leaseEpoch: number,

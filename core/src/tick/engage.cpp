@@ -29,20 +29,26 @@ EngageAnswer judge_engage(std::uint64_t id, const EngageCase& at) noexcept {
                   static_cast<double>(LifecycleState::kArmed));
   }
   const ProxyInUse& proxy = at.proxy;
+  const StreamRate& rate = proxy.too_fast;
+  const auto refuse_stream = [&](EngageVerdict verdict, double value, double limit) {
+    if (rate.comes_hz == 0.0) return refuse(verdict, value, limit);
+    return refuse(EngageVerdict::kTooFast, rate.comes_hz, rate.announced_hz);
+  };
   const bool has_proxy = proxy.mode != ProxyMode::kNone;
   const Duration hold_end = at.settings.staleness.hold_end;
   if (!has_proxy || proxy.age >= hold_end) {
-    return refuse(EngageVerdict::kStreamStale, has_proxy ? milliseconds_of(proxy.age) : HUGE_VAL,
-                  milliseconds_of(hold_end));
+    return refuse_stream(EngageVerdict::kStreamStale,
+                         has_proxy ? milliseconds_of(proxy.age) : HUGE_VAL,
+                         milliseconds_of(hold_end));
   }
   if (proxy.gapless_samples < kSamples) {
-    return refuse(EngageVerdict::kTooFewSamples, static_cast<double>(proxy.gapless_samples),
-                  static_cast<double>(kSamples));
+    return refuse_stream(EngageVerdict::kTooFewSamples, static_cast<double>(proxy.gapless_samples),
+                         static_cast<double>(kSamples));
   }
   const Duration gapless = at.now - proxy.gapless_since;
   if (gapless < kGapless) {
-    return refuse(EngageVerdict::kStreamTooYoung, milliseconds_of(gapless),
-                  milliseconds_of(kGapless));
+    return refuse_stream(EngageVerdict::kStreamTooYoung, milliseconds_of(gapless),
+                         milliseconds_of(kGapless));
   }
   if (!at.sensed.recent) {
     return refuse(EngageVerdict::kDeviceStale, milliseconds_of(at.sensed.age),

@@ -62,6 +62,7 @@ ProxyInUse ProxyIntake::step(const TickInput& in, const ProxySnapshot& sample,
   now.ladder = ladder(now.age, limits);
   now.gapless_since = sample_.gapless_since;
   now.gapless_samples = sample_.gapless_samples;
+  now.too_fast = sample_.too_fast;
   if (tracker.on) now.ladder = std::min(now.ladder, tracker.ladder);
   return now;
 }

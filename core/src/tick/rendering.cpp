@@ -1,6 +1,12 @@
 #include "rendering.hpp"
 
 namespace haptic::core {
+namespace {
+
+/// Below this no one misses a force; and share of a displacement that rounds to 0 %.
+constexpr double kDeep = 1e-4, kUnfelt = 0.005;  // m or rad
+
+}  // namespace
 
 Rendering::Rendering(const ProjectionModel& model, const PipelineConfig& config)
     : model_(model),
@@ -89,7 +95,21 @@ bool Rendering::project(const Sensed& sensed, const Settings& settings, Anchor& 
   if (projection_.contradicted) now.limiters.set(Limiter::kContacts);
   if (projection_.between) now.limiters.set(Limiter::kBranch);
   if (projection_.damping > 0.0) now.limiters.set(Limiter::kSingular);
+  if (is_unfelt(sensed.q)) now.limiters.set(Limiter::kNotFelt);
   return true;
+}
+
+/// The springs of the motors move the tool by the mean of ||J_a|| times their stretch.
+bool Rendering::is_unfelt(const VecQ& q) const noexcept {
+  const bool held_back = projection_.contradicted ||
+                         projection_.status == ProjectionStatus::kUnreachable ||
+                         projection_.status == ProjectionStatus::kCapped;
+  if (held_back || !(dx_.norm() > kDeep)) return false;
+  const DofLayout& layout = model_.layout();
+  const double stretch = (layout.select(projection_.q_star) - layout.select(q)).norm();
+  VecX scratch;
+  const double depth = model_.metric().weighed(dx_, scratch).norm();
+  return stretch * model_.mean_actuated_jacobian() < kUnfelt * depth;
 }
 
 void Rendering::bound(const Sensed& sensed, const Settings& settings, Anchor& now) noexcept {

@@ -46,6 +46,8 @@ class Rendering {
               Anchor& now) noexcept;
   /// q*, something being in the way and f having a value. False: it is not finite.
   [[nodiscard]] bool project(const Sensed& sensed, const Settings& settings, Anchor& now) noexcept;
+  /// Nothing of the displacement stretches a spring of a motor, though q* is where x asks for it.
+  [[nodiscard]] bool is_unfelt(const VecQ& q) const noexcept;
   /// Anchor::force_error.
   void bound(const Sensed& sensed, const Settings& settings, Anchor& now) noexcept;
   /// Blocks whose J this tick reads.

@@ -32,6 +32,7 @@ Lifecycle Supervisor::step(const TickInput& in, const Beat& beat, const Settings
       life_.engage.verdict = EngageVerdict::kReleased;
     }
     engaged = life_.engage.verdict == EngageVerdict::kAccepted;
+    outside_ = life_.engage.verdict == EngageVerdict::kOutsideWindow;
   }
 
   StateEvents events;
@@ -62,8 +63,13 @@ Lifecycle Supervisor::step(const TickInput& in, const Beat& beat, const Settings
   life_.gain = gain_.value();
   life_.damping_gain = damping_gain_.value();
   life_.limiters = {};
+  outside_ = outside_ && state == LifecycleState::kArmed && !released && !events.lease_changed;
+  if (outside_) life_.limiters.set(Limiter::kOutsideWindow);
   if (state == LifecycleState::kArmed && never_free(proxy, was_free_)) {
     life_.limiters.set(Limiter::kNeverFree);
+  }
+  if (proxy.too_fast.comes_hz > 0.0 && proxy.level != Staleness::kFresh) {
+    life_.limiters.set(Limiter::kTooFast);
   }
   return life_;
 }

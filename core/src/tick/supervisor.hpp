@@ -39,6 +39,7 @@ class Supervisor {
   bool force_granted_{false};
   /// Some sample of this lease left the probe free: its client met its objects from outside.
   bool was_free_{false};
+  bool outside_{false};  ///< the newest Engage of this lease was refused for its window
 };
 
 }  // namespace haptic::core

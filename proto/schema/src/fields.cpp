@@ -149,4 +149,12 @@ std::vector<std::string> bit_names(const pb::FieldDescriptor& field, std::uint32
   return names;
 }
 
+std::vector<std::string> bit_words(const pb::FieldDescriptor& field, std::uint32_t bits) {
+  std::vector<std::string> words;
+  for (int bit = 0; bit < field.options().ExtensionSize(v1::words); ++bit) {
+    if ((bits >> bit & 1U) != 0) words.push_back(field.options().GetExtension(v1::words, bit));
+  }
+  return words;
+}
+
 }  // namespace haptic::schema

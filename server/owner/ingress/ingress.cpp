@@ -8,6 +8,12 @@
 #include "server/owner/ingress/refused.hpp"
 
 namespace haptic::server {
+namespace {
+
+/// Time over which the rate of a stream is counted.
+constexpr core::Duration kCounted{std::chrono::milliseconds(500)};
+
+}  // namespace
 
 /// Without a branch, which the zeros among the numbers of a normal would mislead.
 double flushed(double value) noexcept {
@@ -36,6 +42,12 @@ BacklogRule::Answer BacklogRule::step(core::TimePoint arrival) noexcept {
   }
   first_ = false;
   last_arrival_ = arrival;
+  ++count_;
+  if (const core::Duration time = arrival - counted_from_; time >= kCounted) {
+    comes_hz_ = std::round(count_ / core::seconds(time));
+    counted_from_ = arrival;
+    count_ = 0;
+  }
 
   // A bucket that twice the nominal rate empties: `due_` runs ahead of the arrivals in a burst.
   if (!backlog_ && arrival < due_ - tolerance_) backlog_ = true;
@@ -46,6 +58,12 @@ BacklogRule::Answer BacklogRule::step(core::TimePoint arrival) noexcept {
     born_ = arrival;
   }
   return {backlog_, born_};
+}
+
+core::StreamRate BacklogRule::too_fast() const noexcept {
+  const double announced = 0.5 / core::seconds(interval_);
+  return backlog_ && comes_hz_ > 2.0 * announced ? core::StreamRate{comes_hz_, announced}
+                                                 : core::StreamRate{};
 }
 
 Ingress::Ingress(core::Mailbox<core::ProxySnapshot>& mailbox, int n_x)
@@ -138,6 +156,7 @@ void Ingress::store(const ProxySample& sample, const BacklogRule::Answer& age) {
     }
     ++newest_.gapless_samples;
   }
+  newest_.too_fast = backlog_.too_fast();
   newest_.mode = sample.mode;
   newest_.seq = sample.seq;
   const Departure left = sample.left.value_or(Departure{age.born, age.born});
@@ -161,6 +180,7 @@ void Ingress::publish(const ProxySample& sample, core::TimePoint computed) {
   write_planes(sample, next);
   next.gapless_since = newest_.gapless_since;
   next.gapless_samples = newest_.gapless_samples;
+  next.too_fast = newest_.too_fast;
   mailbox_.publish();
 }
 

@@ -46,6 +46,8 @@ class BacklogRule {
     core::TimePoint born{};  ///< what the sample's age counts from
   };
   [[nodiscard]] Answer step(core::TimePoint arrival) noexcept;
+  /// The rate of the last half second with samples in it, if that was too fast.
+  [[nodiscard]] core::StreamRate too_fast() const noexcept;
 
  private:
   core::Duration interval_{0};  ///< half a nominal period
@@ -56,6 +58,9 @@ class BacklogRule {
   core::TimePoint born_{};          ///< of the newest sample
   core::TimePoint before_burst_{};  ///< what born_ falls back to
   core::TimePoint due_{};           ///< next arrival at twice the nominal rate
+  core::TimePoint counted_from_{};
+  int count_{0};
+  double comes_hz_{0.0};
 };
 
 class Ingress {
@@ -116,6 +121,7 @@ class Ingress {
     std::uint64_t seq{0};
     core::TimePoint born{}, gapless_since{};
     std::uint64_t gapless_samples{0};
+    core::StreamRate too_fast{};
   } newest_{};
   IngressCounters counters_{};
   BacklogRule backlog_{};

@@ -4,6 +4,8 @@
 #include <cstdio>
 
 #include "server/base/figures.hpp"
+#include "server/owner/rights/pending_requests.hpp"
+#include "server/owner/telemetry/event_log.hpp"
 
 namespace haptic::server {
 namespace {
@@ -28,11 +30,16 @@ constexpr FaultSentence kFaults[] = {
     {core::Fault::kForceDisagrees, "the load cell does not read what the drive gives"},
 };
 
-/// Limits of single actuators. The others concern the proxy and are a field of every state.
-constexpr core::Limiter kActuatorLimiters[] = {
+/// Limits of single actuators, and a force that is missing. The others concern the proxy and are a
+/// field of every state.
+constexpr core::Limiter kTold[] = {
     core::Limiter::kSaturation, core::Limiter::kSlew,        core::Limiter::kPower,
     core::Limiter::kRate,       core::Limiter::kTemperature, core::Limiter::kDriveLimit,
+    core::Limiter::kNotFelt,
 };
+constexpr const char* kNotFelt =
+    "this contact's direction is felt with 0 % of its depth: no motor moves the tool that way, or "
+    "the scene's prior leaves it to joints without a motor";
 
 DeviceEvent event_of(const core::TickRecord& record, DeviceEvent::Kind kind,
                      std::string_view reason, std::string_view message) {
@@ -70,7 +77,35 @@ const char* words(core::DeratingReason reason) {
   return "device's samples ";
 }
 
+/// Why the proxy in use is as old as it is.
+std::string age_of_proxy(const core::TickRecord& record) {
+  const core::ProxyInUse& proxy = record.proxy;
+  return "the newest proxy is " + measured_ms(proxy.age) + " old" +
+         (proxy.too_fast.comes_hz > 0.0 ? " (" + too_fast(proxy.too_fast) + ")" : "");
+}
+
 }  // namespace
+
+/// A client that waits for force asks every 50 ms.
+void EventDetector::waits(const core::TickRecord& record, std::vector<DeviceEvent>& events) {
+  constexpr core::Duration kPatience{std::chrono::milliseconds(500)};
+  const core::EngageAnswer& answer = record.life.engage;
+  if (answer.id == answered_) return;
+  answered_ = answer.id;
+  const core::TimePoint now = record.input.now;
+  const auto refusal = engage_refusal(answer, record.life.state);
+  if (!refusal || now - refused_ > kQuiet) {
+    waits_since_ = now;
+    told_of_ = {};
+  }
+  if (!refusal) return;
+  refused_ = now;
+  bool& told = told_of_[static_cast<std::size_t>(answer.verdict)];
+  if (told || now - waits_since_ < kPatience) return;
+  told = true;
+  events.push_back(event_of(record, DeviceEvent::Kind::kLimiter, refusal->reason.view(),
+                            kWaits + refusal->message.str()));
+}
 
 void EventDetector::derating(const core::TickRecord& record, std::vector<DeviceEvent>& events) {
   constexpr double kMuch = 0.2;
@@ -98,14 +133,15 @@ void EventDetector::derating(const core::TickRecord& record, std::vector<DeviceE
 }
 
 void EventDetector::limiters(const core::TickRecord& record, std::vector<DeviceEvent>& events) {
-  for (const core::Limiter limiter : kActuatorLimiters) {
+  for (const core::Limiter limiter : kTold) {
     if (!record.limiters().has(limiter)) continue;
     auto& acted = acted_[static_cast<std::size_t>(limiter)];
     const bool begins = !acted || record.input.now - *acted > kQuiet;
     acted = record.input.now;
     if (!begins) continue;
-    events.push_back(event_of(record, DeviceEvent::Kind::kLimiter, core::reason(limiter),
-                              limiter_sentence(limiter, record)));
+    events.push_back(event_of(
+        record, DeviceEvent::Kind::kLimiter, core::reason(limiter),
+        limiter == core::Limiter::kNotFelt ? kNotFelt : limiter_sentence(limiter, record)));
   }
 }
 
@@ -137,9 +173,8 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
             " old, beyond its limit; a new Engage is needed");
   } else if (record.life.lost) {
     add(DeviceEvent::Kind::kLost, "LOST",
-        "force was given up: the newest proxy is " + measured_ms(record.proxy.age) +
-            " old, the limit is " + milliseconds(record.input.settings.staleness.fade_end) +
-            "; a new Engage is needed");
+        "force was given up: " + age_of_proxy(record) + ", the limit is " +
+            milliseconds(record.input.settings.staleness.fade_end) + "; a new Engage is needed");
   }
   if (record.life.state != state_) {
     const std::string change =
@@ -149,9 +184,9 @@ void EventDetector::step(const core::TickRecord& record, const std::string& stop
   if (record.proxy.level != staleness_) {
     add(DeviceEvent::Kind::kStaleness,
         std::string(core::name(staleness_)) + " -> " + std::string(core::name(record.proxy.level)),
-        record.proxy.seq == 0 ? "there is no proxy"
-                              : "the newest proxy is " + measured_ms(record.proxy.age) + " old");
+        record.proxy.seq == 0 ? "there is no proxy" : age_of_proxy(record));
   }
+  waits(record, events);
   derating(record, events);
   limiters(record, events);
   state_ = record.life.state;

@@ -22,10 +22,15 @@ class EventDetector {
             std::vector<DeviceEvent>& events);
 
  private:
+  /// Tells what an Engage waits for that was refused for half a second, once for each reason.
+  void waits(const core::TickRecord& record, std::vector<DeviceEvent>& events);
   /// Tells the stiffness that the loop allows, if that changed by much.
   void derating(const core::TickRecord& record, std::vector<DeviceEvent>& events);
   void limiters(const core::TickRecord& record, std::vector<DeviceEvent>& events);
 
+  std::uint64_t answered_{0};                  ///< number of the newest Engage that was looked at
+  core::TimePoint waits_since_{}, refused_{};  ///< the first and the newest refusal
+  std::array<bool, 16> told_of_{};             ///< by verdict, since the first
   core::LifecycleState state_{core::LifecycleState::kInit};
   core::FaultSet faults_{};
   core::Staleness staleness_{core::Staleness::kLost};

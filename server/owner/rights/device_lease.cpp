@@ -115,7 +115,7 @@ void DeviceSessions::wait_for_lease(Newcomer newcomer, core::TimePoint now) {
     newcomer.taken_from = taken_from;
     tell_lease("LEASE_PREEMPTED", quoted(lease_.client_name) + " lost the device to " +
                                       quoted(by.client_name) + " (" + server::name(by.priority) +
-                                      ")");
+                                      "): once that has left, engage again");
     end_lease();
     lease_.grant(by, now);
     newcomer.granted = true;

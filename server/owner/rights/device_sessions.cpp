@@ -232,8 +232,10 @@ std::optional<Refusal> DeviceSessions::not_holder(const SessionId& session_id) c
   return Refusal{Refusal::Code::kPermission, "NOT_CONTROLLER",
                  lease_.has_holder
                      ? "device '" + unit_.name() + "' is controlled by '" +
-                           lease_.client_name.str() + "', this session is an observer"
-                     : "this session does not hold the lease of '" + unit_.name() + "' (any more)"};
+                           lease_.client_name.str() +
+                           "', this session is an observer: once that has left, engage again"
+                     : "this session does not hold the lease of '" + unit_.name() +
+                           "' (any more): open it again, then engage again"};
 }
 
 }  // namespace haptic::server

@@ -13,57 +13,69 @@ Refusal not_yet(const char* reason, const std::string& message) {
   return {Refusal::Code::kPrecondition, reason, message};
 }
 
+}  // namespace
+
+std::string too_fast(const core::StreamRate& rate) {
+  return figure(rate.comes_hz) + " samples/s come, " + figure(rate.announced_hz) +
+         " were announced: at most twice as many count as fresh";
+}
+
 std::optional<Refusal> engage_refusal(const core::EngageAnswer& answer,
                                       core::LifecycleState state) {
-  using Verdict = core::EngageVerdict;
+  using core::EngageVerdict;
   const std::string value = figure(answer.value);
   const std::string limit = figure(answer.limit);
   switch (answer.verdict) {
-    case Verdict::kAccepted:
+    case EngageVerdict::kAccepted:
       return std::nullopt;
-    case Verdict::kNone:
+    case EngageVerdict::kNone:
       break;
-    case Verdict::kNotArmed:
+    case EngageVerdict::kNotArmed:
       return not_yet("NOT_ARMED", "the device is " + std::string(core::name(state)) +
-                                      ": force may be asked for in ARMED only");
-    case Verdict::kStreamTooYoung:
+                                      ": force may be asked for in ARMED only" +
+                                      (state == core::LifecycleState::kFault
+                                           ? "; clear the fault (hapticctl clear-fault)"
+                                           : ""));
+    case EngageVerdict::kStreamTooYoung:
       return not_yet("STREAM_TOO_YOUNG", "the stream runs without a gap for " + value +
                                              " ms: at least " + limit + " ms are needed");
-    case Verdict::kTooFewSamples:
+    case EngageVerdict::kTooFewSamples:
       return not_yet("TOO_FEW_SAMPLES", "the stream brought " + value +
                                             " samples without a gap: at least " + limit +
                                             " are needed");
-    case Verdict::kStreamStale:
+    case EngageVerdict::kStreamStale:
       if (!std::isfinite(answer.value)) {
         return not_yet("STREAM_STALE", "no proxy was accepted under this lease yet");
       }
       return not_yet("STREAM_STALE", "the newest proxy is " + value + " ms old: less than " +
-                                         limit +
-                                         " ms is needed (samples above twice the nominal rate do "
-                                         "not count as fresh)");
-    case Verdict::kDeviceStale:
+                                         limit + " ms is needed");
+    case EngageVerdict::kTooFast:
+      return not_yet("TOO_FAST", too_fast({answer.value, answer.limit}));
+    case EngageVerdict::kDeviceStale:
       return not_yet("DEVICE_STALE", "the newest device sample is " + value + " ms old: at most " +
                                          limit + " ms is needed");
-    case Verdict::kTrackerStale:
+    case EngageVerdict::kTrackerStale:
       if (!std::isfinite(answer.value)) {
         return not_yet("TRACKER_STALE", "no pose of a tracker was accepted yet");
       }
       return not_yet("TRACKER_STALE", "the tracker's newest pose is " + value +
                                           " ms old: less than " + limit + " ms is needed");
-    case Verdict::kReleased:
+    case EngageVerdict::kReleased:
       return not_yet("NOT_ARMED", "a Release came with it: ask again");
-    case Verdict::kNeverFree:
+    case EngageVerdict::kNeverFree:
       return not_yet(
           "NEVER_FREE",
           "the proxy was held under this lease all the time, which does not say on "
           "which side of an object the probe is: publish it free for a few samples, or planes");
-    case Verdict::kOutsideWindow:
+    case EngageVerdict::kOutsideWindow:
       return not_yet("OUTSIDE_WINDOW", "force on actuated DoF " + std::to_string(answer.index) +
                                            " would start at " + value + " (N or N m): at most " +
                                            limit + " is allowed");
   }
   return Refusal{Refusal::Code::kUnavailable, "NO_ANSWER", "the loop gave no verdict"};
 }
+
+namespace {
 
 /// Answers a clear: the faults that it asked for, or which of them persist.
 void answer_clear(core::FaultSet asked, core::FaultSet refused, Answer& answer) {

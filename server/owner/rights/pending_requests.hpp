@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <list>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "haptic/core/tick/tick_record.hpp"
@@ -17,6 +18,12 @@ struct AskedClear {
   core::FaultSet faults{};
   std::uint64_t stop_id{0};
 };
+
+/// Why no force begins, in one sentence; nothing if it does. `state`: of the device.
+[[nodiscard]] std::optional<Refusal> engage_refusal(const core::EngageAnswer& answer,
+                                                    core::LifecycleState state);
+/// "500 samples/s come, 60 were announced: ...".
+[[nodiscard]] std::string too_fast(const core::StreamRate& rate);
 
 class PendingRequests {
  public:

@@ -5,6 +5,9 @@
 
 namespace haptic::server {
 
+/// How the message of an Engage that waits begins.
+inline constexpr const char* kWaits = "force waits: ";
+
 class EventLog final : public FrontPort {
  public:
   /// `owner` must outlive this.

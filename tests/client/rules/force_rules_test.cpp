@@ -34,7 +34,7 @@ TEST(Force, IsAskedForAtOnce) {
 TEST(Force, CurableRefusalIsRetriedSoon) {
   for (const char* reason :
        {"NOT_ARMED", "STREAM_TOO_YOUNG", "TOO_FEW_SAMPLES", "STREAM_STALE", "DEVICE_STALE",
-        "TRACKER_STALE", "NEVER_FREE", "OUTSIDE_WINDOW", "NO_ANSWER"}) {
+        "TRACKER_STALE", "NEVER_FREE", "OUTSIDE_WINDOW", "NO_ANSWER", "TOO_FAST"}) {
     Force force = asking();
     EXPECT_FALSE(force.answered(refused(reason), true, kNow));
     EXPECT_EQ(force.due(), kNow + 50ms) << reason;

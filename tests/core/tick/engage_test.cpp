@@ -83,6 +83,16 @@ TEST_F(EngageTest, YoungStreamIsRefused) {
   expect_refused(EngageVerdict::kStreamTooYoung, 199.0, 200.0);
 }
 
+TEST_F(EngageTest, TooManySamplesAreNamed) {
+  proxy.too_fast = {500.0, 60.0};
+  EXPECT_EQ(judge().verdict, EngageVerdict::kAccepted) << "they are fresh enough";
+  proxy.age = milliseconds(180);
+  expect_refused(EngageVerdict::kTooFast, 500.0, 60.0);
+  proxy.age = {};
+  proxy.gapless_samples = 3;
+  expect_refused(EngageVerdict::kTooFast, 500.0, 60.0);
+}
+
 TEST_F(EngageTest, SilentDeviceIsRefused) {
   sensed.recent = false;
   sensed.age = milliseconds(7);

@@ -251,6 +251,23 @@ TEST_F(SupervisorTest, EachLeaseNeedsAFreeProbe) {
   EXPECT_EQ(ask(), EngageVerdict::kNeverFree) << "the next lease does not inherit it";
 }
 
+TEST_F(SupervisorTest, SaysWhatForceWaitsFor) {
+  proxy.mode = ProxyMode::kFree;
+  run(3);
+  anchor.anchored = true;
+  anchor.q_star = one(2.0);
+  EXPECT_FALSE(step().limiters.any());
+  ++in.command.engage_id;
+  EXPECT_TRUE(step().limiters.has(Limiter::kOutsideWindow));
+  EXPECT_TRUE(run(50).limiters.has(Limiter::kOutsideWindow));
+  ++in.command.release_id;
+  EXPECT_FALSE(step().limiters.any());
+  proxy.too_fast = {500.0, 60.0};
+  EXPECT_FALSE(step().limiters.any()) << "fresh all the same";
+  proxy.level = Staleness::kFade;
+  EXPECT_TRUE(step().limiters.has(Limiter::kTooFast));
+}
+
 TEST_F(SupervisorTest, DampingNeedsObstacleAndRecentRate) {
   engage();
   anchor.in_the_way = false;

@@ -49,9 +49,13 @@ enum class Limiter : std::uint8_t {
                       ///< (core/METHOD.md#damping-near-singular-poses)
   kBranch = 15,  ///< q* held on its branch, or moved to another one in steps, where two poses are
                  ///< about equally near (core/METHOD.md#projection-algorithm)
-  kNeverFree = 16,  ///< no force starts: the proxy is held, and no sample of its lease was free
-  kDerated = 17,    ///< stiffness below the settings', for the loop's delay
-                    ///< (core/METHOD.md#stiffness-in-effect)
+  kNeverFree = 16,      ///< no force starts: the proxy is held, and no sample of its lease was free
+  kDerated = 17,        ///< stiffness below the settings', for the loop's delay
+                        ///< (core/METHOD.md#stiffness-in-effect)
+  kOutsideWindow = 18,  ///< no force starts: it would begin with more than the engage window
+  kTooFast = 19,        ///< samples are not fresh: more than twice as many come as were announced
+  kNotFelt = 20,        ///< the proxy's displacement stretches no actuated spring: no motor moves
+                        ///< the tool that way, or the prior leaves it to sensed DoFs
 };
 
 template <typename E>

@@ -79,6 +79,22 @@ TEST(Backlog, TooFastClientIsSoonOld) {
   EXPECT_LT(fresh, 10);
 }
 
+TEST(Backlog, CountsATooFastClientsRate) {
+  BacklogRule rule(std::chrono::nanoseconds(16'666'667));
+  TimePoint t = kStart;
+  const auto stream = [&](Duration period, Duration length) {
+    for (const TimePoint end = t + length; t < end; t += period) static_cast<void>(rule.step(t));
+    return rule.too_fast();
+  };
+  EXPECT_EQ(stream(9ms, 3s).comes_hz, 0.0);
+  const core::StreamRate rate = stream(2ms, 1500ms);
+  EXPECT_EQ(rate.comes_hz, 500.0);
+  EXPECT_NEAR(rate.announced_hz, 60.0, 1e-5);
+  EXPECT_EQ(stream(16ms, 2s).comes_hz, 0.0) << "fresh again";
+  t += 400ms;
+  EXPECT_EQ(stream(100us, 3ms).comes_hz, 0.0) << "a burst after a stall is no rate";
+}
+
 TEST(Backlog, ClumpsDoNotAddUp) {
   // 1 kHz over a link that delivers 20 samples at once every 20 ms.
   BacklogRule rule(1ms);

@@ -58,15 +58,41 @@ TEST(EngageRefusal, SaysWhatTheDeviceLacks) {
   });
   expect_refused("OUTSIDE_WINDOW", "would start at 3 (N or N m): at most 2.5 is allowed",
                  [](DeviceRig& rig) { rig.stream(300, 0.03); });
-  expect_refused("NOT_ARMED", "the device is FAULT", [](DeviceRig& rig) {
-    rig.stream(300, 0.0);
-    rig.sessions->emergency_stop("", [](const Outcome<Done>&) {});
-    rig.stream(2, 0.0);
-  });
+  expect_refused("NOT_ARMED",
+                 "the device is FAULT: force may be asked for in ARMED only; "
+                 "clear the fault (hapticctl clear-fault)",
+                 [](DeviceRig& rig) {
+                   rig.stream(300, 0.0);
+                   rig.sessions->emergency_stop("", [](const Outcome<Done>&) {});
+                   rig.stream(2, 0.0);
+                 });
   expect_refused("NOT_ARMED", "a Release came with it", [](DeviceRig& rig) {
     rig.stream(250, 0.01);
     rig.sessions->release("s1", [](const Outcome<Done>&) {});
   });
+}
+
+TEST(EngageRefusal, SaysThatSamplesComeTooFast) {
+  DeviceRig rig;
+  const auto reply = rig.ask({.session_id = "s1", .client_name = "alice", .nominal_rate_hz = 60.0});
+  rig.tick(20);
+  ASSERT_TRUE(reply->lease);
+  rig.epoch = reply->lease->epoch;
+  const std::string sentence =
+      "980 samples/s come, 60 were announced: at most twice as many count as fresh";
+  const auto queue = rig.sessions->subscribe("s1");
+  for (int i = 0; i < 40; ++i) {  // as a client that waits for force; 50 samples in 51 ms
+    rig.stream(50, 0.0);
+    EXPECT_NE(rig.engage(), "");
+  }
+  EXPECT_EQ(rig.engage(), "TOO_FAST");
+  EXPECT_EQ(rig.refusal, sentence);
+  EXPECT_TRUE(rig.newest().limiters().has(core::Limiter::kTooFast));
+  int told = 0;
+  while (const auto event = queue->pop()) {
+    told += event->reason == "TOO_FAST" ? 1 : 0;
+  }
+  EXPECT_EQ(told, 1) << "once, in the log too";
 }
 
 /// Session s1 has the lease.

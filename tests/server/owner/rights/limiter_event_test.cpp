@@ -60,6 +60,42 @@ TEST(LimiterEvent, ProxyLimitsAreNoEvent) {
           .empty());
 }
 
+TEST(LimiterEvent, ContactWithoutForceIsNamed) {
+  EventDetector detector;
+  const auto events = step(detector, 0ms, {core::Limiter::kNotFelt});
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].reason, "NOT_FELT");
+  EXPECT_EQ(events[0].message,
+            "this contact's direction is felt with 0 % of its depth: no motor moves the tool that "
+            "way, or the scene's prior leaves it to joints without a motor");
+}
+
+TEST(LimiterEvent, AWaitIsToldOnce) {
+  EventDetector detector;
+  core::TickRecord record;
+  record.life.state = core::LifecycleState::kInit;
+  std::vector<DeviceEvent> events;
+  const auto ask = [&](core::Duration at, core::EngageVerdict verdict) {
+    record.input.now = core::TimePoint(1h) + at;
+    record.life.engage = {record.life.engage.id + 1, verdict, 0, 3.0, 2.5};
+    detector.step(record, "", events);
+  };
+  for (int i = 0; i < 9; ++i) ask(i * 50ms, core::EngageVerdict::kOutsideWindow);
+  EXPECT_TRUE(events.empty()) << "a start takes a moment";
+  for (int i = 9; i < 100; ++i) ask(i * 50ms, core::EngageVerdict::kOutsideWindow);
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].reason, "OUTSIDE_WINDOW");
+  EXPECT_EQ(events[0].message,
+            "force waits: force on actuated DoF 0 would start at 3 (N or N m): at most 2.5 is "
+            "allowed");
+  ask(5s, core::EngageVerdict::kNeverFree);
+  ask(5050ms, core::EngageVerdict::kOutsideWindow);
+  EXPECT_EQ(events.size(), 2u) << "another reason";
+  ask(5100ms, core::EngageVerdict::kAccepted);
+  for (int i = 0; i < 20; ++i) ask(6s + i * 50ms, core::EngageVerdict::kOutsideWindow);
+  EXPECT_EQ(events.size(), 3u) << "another wait";
+}
+
 TEST(LimiterEvent, DeratingTellsItsReason) {
   EventDetector detector;
   core::TickRecord record;

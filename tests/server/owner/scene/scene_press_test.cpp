@@ -152,6 +152,24 @@ TEST(SceneRest, WindowsEnergyCarriesAMovedProxy) {
   }
 }
 
+/// One motor, two sensed joints: the prior decides how much of a contact the motor feels.
+TEST(SceneRest, PriorSaysWhatIsFelt) {
+  const auto limiters = [](double sensed_stiffness) {
+    server::DeviceScene device = shipped_scene("linear_one_motor").devices[0];
+    device.pipeline.projection.prior->sensed_stiffness.setConstant(sensed_stiffness);
+    VecQ q = rest_of(device);
+    SceneRun run(device);
+    q.array() -= 0.05;
+    run.hold(q);
+    run.engage();
+    return std::pair(run.record().limiters(), run.record().effort.tau_elastic.norm());
+  };
+  const auto [felt, force] = limiters(0.3);
+  EXPECT_FALSE(felt.has(core::Limiter::kNotFelt));
+  EXPECT_GT(force, 0.005);
+  EXPECT_TRUE(limiters(1e-5).first.has(core::Limiter::kNotFelt));
+}
+
 class ScenePress : public testing::TestWithParam<std::string> {};
 
 TEST_P(ScenePress, IsSafeAndFelt) {

@@ -75,6 +75,12 @@ struct PlaneSet {
 #include "haptic/core/contacts/plane_lists.inc"
 };
 
+/// Samples do not count as fresh, because more than twice as many come as were announced; zeros:
+/// they do.
+struct StreamRate {
+  double comes_hz{0.0}, announced_hz{0.0};
+};
+
 /// The newest accepted proxy sample.
 struct ProxySnapshot {
   ProxyMode mode{ProxyMode::kNone};
@@ -98,6 +104,7 @@ struct ProxySnapshot {
   /// The stream's health, kept by the ingress for Engage (proto/README.md#a-session).
   TimePoint gapless_since{};         ///< first sample after the last gap longer than hold_end
   std::uint64_t gapless_samples{0};  ///< accepted since then
+  StreamRate too_fast{};
 };
 
 }  // namespace haptic::core

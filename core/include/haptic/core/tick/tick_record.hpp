@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "haptic/core/contacts/plane_projection.hpp"
+#include "haptic/core/contacts/proxy_snapshot.hpp"
 #include "haptic/core/model/dof_layout.hpp"
 #include "haptic/core/model/kinematics.hpp"
 #include "haptic/core/passivity/passivity.hpp"
@@ -29,6 +30,7 @@ enum class EngageVerdict : std::uint8_t {
   kReleased = 8,        ///< a Release came in the same tick; which was later is unknown
   kTrackerStale = 9,    ///< value: age of the palm's pose in ms, limit: its hold_end in ms
   kNeverFree = 10,      ///< a held proxy, and no sample of this lease left the probe free
+  kTooFast = 11,        ///< value: samples per s that come, limit: per s that were announced
 };
 
 struct EngageAnswer {
@@ -92,6 +94,7 @@ struct ProxyInUse {
   double ladder{0.0};         ///< upper bound of the gain, by this age and the tracker's
   TimePoint gapless_since{};  ///< as in ProxySnapshot
   std::uint64_t gapless_samples{0};
+  StreamRate too_fast{};
 };
 
 /// Which delay keeps the stiffness below the settings'.
@@ -154,7 +157,7 @@ struct Lifecycle {
   ClearAnswer clear{};          ///< to the newest ClearFault
   double gain{0.0};             ///< g
   double damping_gain{0.0};     ///< g_d
-  LimiterSet limiters{};        ///< NEVER_FREE
+  LimiterSet limiters{};        ///< NEVER_FREE, OUTSIDE_WINDOW, TOO_FAST
 };
 
 /// The force that goes to the device, and the anchor behind it.

@@ -63,5 +63,8 @@ void append_value(const google::protobuf::Message& holder,
 /// Names of the bits that are set; a bit without a name is its number.
 [[nodiscard]] std::vector<std::string> bit_names(const google::protobuf::FieldDescriptor& field,
                                                  std::uint32_t bits);
+/// Sentences for people of the bits that are set; none of a bit that is not known.
+[[nodiscard]] std::vector<std::string> bit_words(const google::protobuf::FieldDescriptor& field,
+                                                 std::uint32_t bits);
 
 }  // namespace haptic::schema

@@ -2,6 +2,7 @@
 
 import os
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -358,6 +359,22 @@ class Examples(unittest.TestCase):
         force = float(lines[-1].split(",")[2].removesuffix("N"))
         # The hand wants 0.52 rad, the wall stands at 0.3: the actuator pushes back.
         self.assertLess(force, -1.0)
+
+    def test_two_devices_feel_each_other_if_the_scene_allows(self) -> None:
+        led_force = []
+        for power in 0, 1:
+            leading = Hapticd("finger_soft_grasp")
+            led = Hapticd("finger_constant", settings=[
+                f"device[0].passivity.tank={{allowed_power_w: {power}}}"])
+            self.addCleanup(leading.stop)
+            self.addCleanup(led.stop)
+            said = subprocess.run(
+                [sys.executable, os.path.join(EXAMPLES, "couple_two_devices.py"), "--server",
+                 leading.address, "--other", led.address, "--seconds", "8"],
+                check=True, capture_output=True, text=True, timeout=60).stdout
+            found = re.findall(r"^second: mean force +([0-9.]+), held back", said, re.MULTILINE)
+            led_force.append(sum(map(float, found[3:])))
+        self.assertGreater(led_force[1], 3 * led_force[0], "a moving proxy gives out energy")
 
     def test_the_grasp_is_felt_after_a_pause_too(self) -> None:
         server = Hapticd("finger_soft_grasp", patient=False)

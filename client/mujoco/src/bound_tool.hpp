@@ -46,6 +46,7 @@ class BoundTool {
   [[nodiscard]] bool has_turns(const std::vector<double>& x) const;
   /// DoFs of bodies that it moves.
   [[nodiscard]] bool owns_dof(int dof) const { return owns_[static_cast<std::size_t>(dof)]; }
+  [[nodiscard]] const std::vector<char>& owned() const noexcept { return owns_; }
   /// Those, also if they were so once, and the DoFs that carry a point or pose: its spring pulls
   /// them too.
   [[nodiscard]] bool pulls_dof(int dof) const { return pulls_[static_cast<std::size_t>(dof)]; }

@@ -13,16 +13,19 @@ namespace {
 constexpr std::size_t kOutside = static_cast<std::size_t>(-1);
 constexpr double kLoose = 0.01;     // 1/s^2: what holds a mass that nothing else does
 constexpr double kLeastWay = 1e-6;  // smaller is the rows' softness
-constexpr double kRoom = 0.1;       // rad or m, of a tendon that couples
+constexpr double kRoom = 0.5;       // rad or m, of a tendon that couples
 constexpr double kLed = 0.02;       // share of a load that does not go into the rows
 
 }  // namespace
 
 CoupledDofs::CoupledDofs(const mjModel& model)
-    : kinds_(static_cast<std::size_t>(model.nv)), bound_(static_cast<std::size_t>(model.nv)) {
+    : kinds_(static_cast<std::size_t>(model.nv)),
+      bound_(static_cast<std::size_t>(model.nv)),
+      slack_(static_cast<std::size_t>(model.nv)) {
   for (int i = 0; i < model.nv; ++i) {
     const int parent = model.dof_parentid[i];
-    roots_.push_back(parent < 0 ? i : roots_[static_cast<std::size_t>(parent)]);
+    roots_.push_back(parent < 0 ? static_cast<std::size_t>(i)
+                                : roots_[static_cast<std::size_t>(parent)]);
     masses_.push_back(kLoose * model.dof_M0[i]);
     springs_.push_back(model.jnt_stiffness[model.dof_jntid[i]]);
   }
@@ -42,19 +45,9 @@ void CoupledDofs::look(const mjModel& model, const mjData& data, std::size_t coo
                        bool ever) {
   coordinates_ = coordinates;
   find_rows(model, data, ever);
-  const std::size_t n = dofs_.size();
-  H_.begin(n);
-  for (const Row& row : rows_) {
-    std::size_t first = n;
-    for (const auto& [dof, value] : row.parts) {
-      first = std::min(first, place_[static_cast<std::size_t>(dof)]);
-    }
-    for (const auto& [dof, value] : row.parts) {
-      const std::size_t i = place_[static_cast<std::size_t>(dof)];
-      if (i != kOutside) H_.reach(i, first);
-    }
-  }
-  for (std::size_t i = 0; i < n; ++i) {
+  H_.begin(dofs_.size());
+  for (std::size_t i = 0; i < dofs_.size(); ++i) H_.reach(i, 0);
+  for (std::size_t i = 0; i < dofs_.size(); ++i) {
     const auto dof = static_cast<std::size_t>(dofs_[i]);
     H_.add(i, i, springs_[dof] + masses_[dof]);
   }
@@ -70,7 +63,7 @@ void CoupledDofs::look(const mjModel& model, const mjData& data, std::size_t coo
   H_.factor();
   find_ways();
   find_firm();
-  if (ever) find_slack(model, data);
+  if (ever) slack_ = led_;
 }
 
 bool CoupledDofs::counts(const mjModel& model, const mjData& data, int row, bool ever) const {
@@ -99,20 +92,21 @@ void CoupledDofs::find_rows(const mjModel& model, const mjData& data, bool ever)
   for (const Follower& one : followers_) {
     all.push_back({{{one.leader, -one.ratio}, {one.dof, 1.0}}, one.stiffness});
   }
-  std::set<int> trees;
-  for (std::size_t i = 0; i < kinds_.size(); ++i) {
-    if (kinds_[i] != Kind::kOther) trees.insert(roots_[i]);
-  }
-  const auto reached = [&](const std::pair<int, double>& part) {
-    return trees.contains(roots_[static_cast<std::size_t>(part.first)]);
-  };
   rows_.clear();
+  std::vector<char> trees(kinds_.size()), held(kinds_.size());  // reached from a bound DoF, by rows
+  for (std::size_t i = 0; i < kinds_.size(); ++i) {
+    if (kinds_[i] == Kind::kBound) trees[roots_[i]] = 1;
+  }
+  const auto joins = [&](const std::pair<int, double>& part) {
+    return trees[roots_[static_cast<std::size_t>(part.first)]] != 0;
+  };
   for (bool more = true; more;) {
     more = false;
     for (Row& row : all) {
-      if (std::none_of(row.parts.begin(), row.parts.end(), reached)) continue;
-      for (const auto& [dof, value] : row.parts)
-        trees.insert(roots_[static_cast<std::size_t>(dof)]);
+      if (std::none_of(row.parts.begin(), row.parts.end(), joins)) continue;
+      for (const auto& [dof, value] : row.parts) {
+        held[static_cast<std::size_t>(dof)] = trees[roots_[static_cast<std::size_t>(dof)]] = 1;
+      }
       rows_.push_back(std::move(row));
       row.parts.clear();
       more = true;
@@ -121,7 +115,7 @@ void CoupledDofs::find_rows(const mjModel& model, const mjData& data, bool ever)
   dofs_.clear();
   place_.assign(kinds_.size(), kOutside);
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
-    if (kinds_[i] != Kind::kOther || !trees.contains(roots_[i])) continue;
+    if (kinds_[i] != Kind::kOther || held[i] == 0) continue;
     place_[i] = dofs_.size();
     dofs_.push_back(static_cast<int>(i));
   }
@@ -164,7 +158,9 @@ void CoupledDofs::find_ways() {
 void CoupledDofs::find_firm() {
   firm_.assign(kinds_.size(), 0);
   led_.assign(kinds_.size(), 0);
-  for (std::size_t i = 0; i < kinds_.size(); ++i) firm_[i] = kinds_[i] == Kind::kBound ? 1 : 0;
+  for (std::size_t i = 0; i < kinds_.size(); ++i) {
+    firm_[i] = kinds_[i] == Kind::kBound || springs_[i] > 0.0 ? 1 : 0;
+  }
   for (std::size_t i = 0; i < dofs_.size(); ++i) {
     const auto dof = static_cast<std::size_t>(dofs_[i]);
     std::vector<double> unit(dofs_.size());
@@ -176,41 +172,33 @@ void CoupledDofs::find_firm() {
   for (const Follower& one : followers_) led_[static_cast<std::size_t>(one.dof)] = 1;
 }
 
-void CoupledDofs::find_slack(const mjModel& model, const mjData& data) {
-  slack_.assign(kinds_.size(), 0);
-  for (int i = 0; i < data.nefc; ++i) {
-    if (data.efc_type[i] != mjCNSTR_LIMIT_TENDON || !counts(model, data, i, true)) continue;
-    for_parts(model, data, i, [this](int dof, double) {
-      const auto k = static_cast<std::size_t>(dof);
-      slack_[k] = led_[k] != 0 && kinds_[k] == Kind::kOther ? 1 : 0;
-    });
-  }
-}
-
-void CoupledDofs::take_off(const mjData& data, mjtNum* applied) const {
+void CoupledDofs::take_off(const mjData& data, const std::vector<char>& owned,
+                           mjtNum* applied) const {
   std::vector<double> left;  // the forces, and then what the rows do not take of them
   for (const int dof : dofs_) left.push_back(data.qfrc_passive[dof] - data.qfrc_bias[dof]);
   H_.solve(left);
-  for (std::size_t i = 0; i < dofs_.size(); ++i) {
-    const int dof = dofs_[i];
-    const auto k = static_cast<std::size_t>(dof);
-    if (!moves(dof) && slack_[k] == 0) continue;
-    applied[dof] += data.qfrc_bias[dof] - data.qfrc_passive[dof];
-    if (slack_[k] == 0) applied[dof] += (springs_[k] + masses_[k]) * left[i];
+  for (std::size_t i = 0; i < kinds_.size(); ++i) {
+    const int dof = static_cast<int>(i);
+    const bool slack = slack_[i] != 0 && owned[i] != 0;
+    if (bound(dof) || (!moves(dof) && !slack)) continue;
+    applied[i] += data.qfrc_bias[i] - data.qfrc_passive[i];
+    if (!slack) applied[i] += (springs_[i] + masses_[i]) * left[place_[i]];
   }
 }
 
 double CoupledDofs::give(const std::vector<mjtNum>& v) const {
-  std::vector<double> u;
-  double most = 0.0;
-  for (const int dof : dofs_) {
-    u.push_back(firm(dof) ? v[static_cast<std::size_t>(dof)] : 0.0);
-    most = std::max(most, std::abs(u.back()));
-  }
-  if (most == 0.0) return 0.0;
-  const std::vector<double> load = u;
-  H_.solve(u);
   double sum = 0.0;
+  std::vector<double> load(dofs_.size());
+  for (std::size_t i = 0; i < kinds_.size(); ++i) {
+    if (kinds_[i] != Kind::kOther || firm_[i] == 0) continue;
+    if (place_[i] == kOutside) {
+      sum += v[i] * v[i] / springs_[i];
+    } else {
+      load[place_[i]] = v[i];
+    }
+  }
+  std::vector<double> u = load;
+  H_.solve(u);
   for (std::size_t i = 0; i < u.size(); ++i) sum += load[i] * u[i];
   return sum;
 }

@@ -57,8 +57,8 @@ class CoupledDofs {
   [[nodiscard]] bool led(int dof) const { return led_[static_cast<std::size_t>(dof)] != 0; }
 
   /// Adds to `applied`, nv, what takes weight and passive forces of DoFs that move off the rows,
-  /// and so off the bound ones.
-  void take_off(const mjData& data, mjtNum* applied) const;
+  /// and so off the bound ones; of `owned` DoFs also while a tendon that leads them is slack.
+  void take_off(const mjData& data, const std::vector<char>& owned, mjtNum* applied) const;
   /// v^T H^-1 v over the firm DoFs that are not bound: `v`: per DoF, nv.
   [[nodiscard]] double give(const std::vector<mjtNum>& v) const;
 
@@ -72,13 +72,13 @@ class CoupledDofs {
   [[nodiscard]] bool counts(const mjModel& model, const mjData& data, int row, bool ever) const;
   void find_ways();
   void find_firm();
-  void find_slack(const mjModel& model, const mjData& data);
 
-  std::vector<int> roots_{};  ///< of each DoF: the first one of its tree
+  std::vector<std::size_t> roots_{};  ///< of each DoF: the first one of its tree
   std::vector<double> masses_{}, springs_{};
   std::vector<Kind> kinds_;
   std::vector<std::pair<std::size_t, double>> bound_;  ///< coordinate and scale of each DoF
   std::vector<Follower> followers_{};
+  std::vector<char> slack_;  ///< DoFs that some row leads, at times, if it is a tendon's
 
   std::size_t coordinates_{0};
   std::vector<Row> rows_{};
@@ -86,7 +86,6 @@ class CoupledDofs {
   std::vector<std::size_t> place_{};  ///< of each DoF in dofs_
   std::vector<double> ways_{};
   std::vector<char> moves_{}, firm_{}, led_{};
-  std::vector<char> slack_{};  ///< led by a tendon with a little room: weightless there, too
   Skyline H_{};
 };
 

@@ -18,7 +18,7 @@ void Coupling::pull(const std::vector<double>& seen) {
       pull_frame(place);
     }
   }
-  tool_->coupled().take_off(*data_, data_->qfrc_applied);
+  tool_->coupled().take_off(*data_, tool_->owned(), data_->qfrc_applied);
   for (const Follower& follower : tool_->coupled().followers()) pull_follower(follower);
 }
 

@@ -167,7 +167,7 @@ inline void add_fingers(std::vector<PressedModel>& all) {
   add("limited tendon",
       {.beyond = R"(<tendon><fixed limited="true" range="-0.0005 0.0005">)" + kTendon});
   add("limited tendon with weight", {.beyond = R"(<tendon><fixed limited="true"
-      range="-0.0002 0.0002" frictionloss="0.02">)" +
+      range="-0.001 0.001" frictionloss="0.02">)" +
                                                kTendon,
                                      .option = heavy});
   add("tendon equality", {.beyond = R"(<tendon><fixed name="t">)" + kTendon +

@@ -3,13 +3,12 @@ import type { Engine, EngineContact } from "./engine.js";
 
 /** Share of the cone of friction: what is nearer to it slips. */
 const SLIPS = 1 - 1e-6;
-const ROOM = 0.1;  // rad or m, of a tendon that couples
+const ROOM = 0.5;  // rad or m, of a tendon that couples
 
 export interface ConstraintRows {
   readonly count: number;
   KBIP: Float64Array;
   R: Float64Array;
-  isEquality(row: number): boolean;
   /** An edge of a pyramid of friction. */
   isEdge(row: number): boolean;
   /** True if a row is a spring now: it pushes, and does not slip. Its force says so, because MuJoCo
@@ -53,7 +52,6 @@ export function rowsOf(engine: Engine, contacts: EngineContact[]): ConstraintRow
   };
   return {
     count: n, contactOf, forParts, KBIP: floats(data.efc_KBIP, 4), R: floats(data.efc_R),
-    isEquality: (row) => type[row] === kinds.mjCNSTR_EQUALITY.value,
     isEdge: (row) => type[row] === edge,
     isSpring: (row) => {
       const kind = type[row]!, force = forces[row]!;

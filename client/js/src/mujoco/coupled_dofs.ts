@@ -44,7 +44,7 @@ export class CoupledDofs {
   private dofs: number[] = [];            // u
   private place = new Map<number, number>();
   private ways = new Map<number, Float64Array>();
-  /** Led by a tendon with a little room: weightless there, too. */
+  /** DoFs that some row leads, at times, if it is a tendon's. */
   private readonly slack = new Set<number>();
   private held: boolean[] = [];
   private guided: boolean[] = [];
@@ -53,10 +53,10 @@ export class CoupledDofs {
   constructor(private readonly engine: Engine) {
     const { fixed, model } = engine;
     const masses: Float64Array = model.dof_M0, springs: Float64Array = model.jnt_stiffness;
-    fixed.dofParent.forEach((parent, i) => {
-      this.roots.push(parent < 0 ? i : this.roots[parent]!);
+    fixed.dofJoint.forEach((joint, i) => {
+      this.roots.push(fixed.dofParent[i]! < 0 ? i : this.roots[fixed.dofParent[i]!]!);
       this.masses.push(LOOSE * masses[i]!);
-      this.springs.push(springs[fixed.dofJoint[i]!]!);
+      this.springs.push(springs[joint]!);
     });
   }
   /** A DoF moves by `scale` per unit of a coordinate. */
@@ -93,52 +93,52 @@ export class CoupledDofs {
   look(coordinates: number, ever = false): void {
     const { H, masses, place, springs } = this;
     this.findRows(ever);
-    const n = this.dofs.length;
-    H.begin(n);
-    const inside = ({ parts }: Row) => parts.filter(([dof]) => place.has(dof))
-      .map(([dof, value]): [number, number] => [place.get(dof)!, value]);
-    for (const row of this.rows) {
-      const all = inside(row), first = Math.min(...all.map(([i]) => i));
-      for (const [i] of all) H.reach(i, first);
-    }
+    H.begin(this.dofs.length);
+    this.dofs.forEach((_, i) => H.reach(i, 0));
     this.dofs.forEach((dof, i) => H.add(i, i, springs[dof]! + masses[dof]!));
-    for (const row of this.rows) {
-      const all = inside(row);
+    for (const { parts, stiffness } of this.rows) {
+      const all = parts.map(([dof, value]) => [place.get(dof) ?? -1, value] as const);
       for (const [i, to] of all) {
-        for (const [k, from] of all) if (k <= i) H.add(i, k, row.stiffness * to * from);
+        for (const [k, from] of all) if (k >= 0 && k <= i) H.add(i, k, stiffness * to * from);
       }
     }
     H.factor(this.engine.mj.mjMINVAL);
     this.findWays(coordinates);
     this.findFirm();
-    if (ever) this.findSlack();
+    if (ever) this.guided.forEach((led, dof) => { if (led) this.slack.add(dof); });
   }
 
   /** Adds to `applied` what takes weight and passive forces of DoFs that move off the rows, and so
-   * off the bound ones. */
-  takeOff(applied: Float64Array): void {
+   * off the bound ones; of `owned` DoFs also while a tendon that leads them is slack. */
+  takeOff(applied: Float64Array, owned: (dof: number) => boolean): void {
     const bias = this.engine.view("qfrc_bias"), passive = this.engine.view("qfrc_passive");
     // The forces, and then what the rows do not take of them.
     const left = Float64Array.from(this.dofs, (dof) => passive[dof]! - bias[dof]!);
     this.H.solve(left);
-    this.dofs.forEach((dof, i) => {
-      const slack = this.slack.has(dof);
-      if (!this.ways.has(dof) && !slack) return;
+    this.masses.forEach((mass, dof) => {
+      const slack = this.slack.has(dof) && owned(dof);
+      if (this.bound(dof) || !(this.ways.has(dof) || slack)) return;
       applied[dof]! += bias[dof]! - passive[dof]!;
-      if (!slack) applied[dof]! += (this.springs[dof]! + this.masses[dof]!) * left[i]!;
+      if (!slack) applied[dof]! += (this.springs[dof]! + mass) * left[this.place.get(dof)!]!;
     });
   }
   /** v^T H^-1 v over the firm DoFs that are not bound; `v`: of a DoF. */
   give(v: (dof: number) => number): number {
-    const load = Float64Array.from(this.dofs, (dof) => this.firm(dof) ? v(dof) : 0);
-    if (load.every((part) => part === 0)) return 0;
+    const load = new Float64Array(this.dofs.length);
+    let sum = 0;
+    this.springs.forEach((spring, dof) => {
+      if (!this.firm(dof) || this.bound(dof) || this.leftOut.has(dof)) return;
+      const i = this.place.get(dof);
+      if (i === undefined) sum += v(dof) ** 2 / spring;
+      else load[i] = v(dof);
+    });
     const u = load.slice();
     this.H.solve(u);
-    return along(load, u);
+    return sum + along(load, u);
   }
 
   private findRows(ever: boolean): void {
-    const read = rowsOf(this.engine, []), { roots } = this, all: Row[] = [];
+    const read = rowsOf(this.engine, []), all: Row[] = [];
     for (let i = 0; i < read.count; ++i) {
       if (!read.couples(i, ever)) continue;
       const row: Row = { parts: [],
@@ -149,20 +149,25 @@ export class CoupledDofs {
     for (const { leader, ratio, dof, stiffness } of this.followers) {
       all.push({ parts: [[leader, -ratio], [dof, 1]], stiffness });
     }
-    const trees = new Set([...this.boundTo.keys(), ...this.leftOut].map((dof) => roots[dof]!));
     this.rows = [];
+    // Reached from a bound DoF, by rows.
+    const trees = new Set([...this.boundTo.keys()].map((dof) => this.roots[dof]!));
+    const held = new Set<number>();
     for (let more = true; more;) {
       more = false;
       for (const row of all) {
-        if (!row.parts.some(([dof]) => trees.has(roots[dof]!))) continue;
-        for (const [dof] of row.parts) trees.add(roots[dof]!);
+        if (!row.parts.some(([dof]) => trees.has(this.roots[dof]!))) continue;
+        for (const [dof] of row.parts) {
+          held.add(dof);
+          trees.add(this.roots[dof]!);
+        }
         this.rows.push({ ...row });
         row.parts = [];
         more = true;
       }
     }
-    this.dofs = [...roots.keys()].filter((dof) =>
-      trees.has(roots[dof]!) && !this.bound(dof) && !this.leftOut.has(dof));
+    this.dofs = [...held].filter((dof) => !this.bound(dof) && !this.leftOut.has(dof));
+    this.dofs.sort((a, b) => a - b);
     this.place.clear();
     this.dofs.forEach((dof, i) => this.place.set(dof, i));
   }
@@ -195,18 +200,9 @@ export class CoupledDofs {
     }
   }
 
-  private findSlack(): void {
-    const read = rowsOf(this.engine, []);
-    for (let i = 0; i < read.count; ++i) {
-      if (read.isEquality(i) || !read.couples(i, true)) continue;
-      read.forParts(i, (dof) => {
-        if (this.led(dof) && this.place.has(dof)) this.slack.add(dof);
-      });
-    }
-  }
   private findFirm(): void {
-    this.held = this.roots.map((_, dof) => this.bound(dof));
-    this.guided = this.roots.map(() => false);
+    this.held = this.springs.map((spring, dof) => this.bound(dof) || spring > 0);
+    this.guided = this.masses.map(() => false);
     this.dofs.forEach((dof, i) => {
       const unit = new Float64Array(this.dofs.length);
       unit[i] = 1;

@@ -36,7 +36,7 @@ export class Coupling {
       if (place.binding.kind === "joint") this.pullJoint(place, seen, rate, push);
       else this.pullFrame(place, rate, push);
     }
-    coupled.takeOff(push);
+    coupled.takeOff(push, (dof) => this.tool.ownsDof(dof));
     for (const follower of coupled.followers) this.pullFollower(follower, rate, push);
     const applied = this.engine.view("qfrc_applied");
     push.forEach((value, dof) => {  // a frame pushes its parents' DoFs, too

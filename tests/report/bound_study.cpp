@@ -1,18 +1,12 @@
 #include "tests/report/bound_study.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <limits>
-#include <memory>
 
-#include "haptic/client/contact.hpp"
-#include "haptic/client/planes.hpp"
 #include "haptic/core/model/finger_exoskeleton.hpp"
 #include "haptic/core/rendering/renderer.hpp"
-#include "tests/report/rtt_object.hpp"
+#include "tests/report/bound_bodies.hpp"
 #include "tests/support/loop/pipeline_loop.hpp"
 #include "tests/support/loop/rails.hpp"
 #include "tests/support/plane_set.hpp"
@@ -21,12 +15,10 @@ namespace haptic::report {
 namespace {
 
 using core::VecX;
-using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 constexpr double kEngage_s = 1.5, kBegin_s = 2.0, kEnd_s = 4.0;
-constexpr double kPhalanx = 0.045;  // m, the first one's
-constexpr double kRounding = 2e-5;  // N, of two solutions of one problem
+constexpr double kRounding = 5e-6;  // N, of two solutions of one problem
 
 double between(test::Random& random, double lowest, double highest) {
   return lowest + (highest - lowest) * random.uniform();
@@ -37,159 +29,6 @@ double log_between(test::Random& random, double lowest, double highest) {
 Vector2d direction(double angle) {
   return {std::cos(angle), std::sin(angle)};
 }
-
-/// A disc, or a wall if its radius is infinite: then the centre is on its surface.
-struct Body {
-  Vector2d centre{Vector2d::Zero()}, velocity{Vector2d::Zero()}, normal{Vector2d::Zero()};
-  double radius{0.0}, stiffness{0.0}, told{1.0};  ///< told: its stiffness by what is told
-  [[nodiscard]] bool flat() const { return std::isinf(radius); }
-  [[nodiscard]] Vector2d place(double t) const { return centre + t * velocity; }
-};
-
-/// A gap of x with its derivatives.
-struct Gap {
-  double phi{0.0}, gamma{0.0};
-  Vector2d g{};
-  Matrix2d H{Matrix2d::Zero()};
-};
-
-/// The coordinates are those of the point, or the two joints of a finger.
-struct World {
-  std::vector<Body> bodies{};
-  bool finger{false};
-  double coupling{0.0};
-
-  struct Pad {
-    std::size_t phalanx;
-    double along;
-  };
-  static constexpr Pad kPads[]{{0, 0.030}, {1, 0.010}, {1, 0.022}};
-
-  [[nodiscard]] std::vector<client::PointMap> points(const VecX& x) const {
-    if (!finger) return {rtt_point_of(x)};
-    std::vector<client::PointMap> all;
-    for (const Pad& pad : kPads) {
-      all.push_back(client::point_on_finger({kPhalanx, 0.03}, to_std(x), pad.phalanx, pad.along));
-    }
-    return all;
-  }
-  [[nodiscard]] static Gap gap_of(const Body& body, const client::PointMap& point, double t,
-                                  double coupling) {
-    const Vector2d off = Vector2d(point.position[0], point.position[1]) - body.place(t);
-    const double distance = off.norm();
-    const Vector2d n = body.flat() ? body.normal : Vector2d(off / distance);
-    Matrix2d J = Matrix2d::Zero(), bend = J;
-    for (std::size_t k = 0; k < point.jacobian.size(); ++k) {
-      J.col(static_cast<int>(k)) << point.jacobian[k][0], point.jacobian[k][1];
-    }
-    if (!body.flat()) bend = (Matrix2d::Identity() - n * n.transpose()) / distance;
-    Gap gap{body.flat() ? n.dot(off) : distance - body.radius, coupling / body.stiffness,
-            J.transpose() * n, J.transpose() * bend * J};
-    for (std::size_t row = 0, k = 0; k < point.second.size(); ++row) {
-      for (std::size_t column = 0; column <= row; ++column, ++k) {
-        const double turn = n[0] * point.second[k][0] + n[1] * point.second[k][1];
-        gap.H(static_cast<int>(row), static_cast<int>(column)) += turn;
-        if (column != row) gap.H(static_cast<int>(column), static_cast<int>(row)) += turn;
-      }
-    }
-    return gap;
-  }
-  [[nodiscard]] std::vector<Gap> gaps(double t, const VecX& x) const {
-    std::vector<Gap> all;
-    for (const client::PointMap& point : points(x)) {
-      for (const Body& body : bodies) all.push_back(gap_of(body, point, t, coupling));
-    }
-    return all;
-  }
-  [[nodiscard]] double cost(double t, const VecX& p, const VecX& x) const {
-    double sum = 0.5 * (x - p).squaredNorm();
-    for (const Gap& gap : gaps(t, x)) {
-      if (gap.phi < 0.0) sum += 0.5 * gap.phi * gap.phi / gap.gamma;
-    }
-    return sum;
-  }
-  /// The minimum that Newton finds from `start`: curvature counts by its size, so that every step
-  /// leads down, and is cut until the cost falls.
-  [[nodiscard]] VecX from(double t, const VecX& p, VecX x) const {
-    double at = cost(t, p, x);
-    for (int i = 0; i < 200; ++i) {
-      Vector2d slope = x - p;
-      Matrix2d curve = Matrix2d::Identity();
-      for (const Gap& gap : gaps(t, x)) {
-        if (gap.phi >= 0.0) continue;
-        slope += gap.phi / gap.gamma * gap.g;
-        curve += gap.g * gap.g.transpose() / gap.gamma + gap.phi / gap.gamma * gap.H;
-      }
-      const Eigen::SelfAdjointEigenSolver<Matrix2d> of(curve);
-      const Vector2d size = of.eigenvalues().cwiseAbs().cwiseMax(0.01);
-      const Vector2d step =
-          -of.eigenvectors() * (of.eigenvectors().transpose() * slope).cwiseQuotient(size);
-      if (-slope.dot(step) < 1e-22) break;
-      double share = 1.0;
-      for (; share > 1e-9; share *= 0.5) {
-        const VecX there = x + share * step;
-        const double then = cost(t, p, there);
-        if (then > at + 1e-4 * share * slope.dot(step)) continue;
-        at = then;
-        x = there;
-        break;
-      }
-      if (share <= 1e-9) break;
-    }
-    return x;
-  }
-  /// The least of the minima from the last one, from the probe and from each body's surface.
-  [[nodiscard]] VecX least(double t, const VecX& p, const VecX& last) const {
-    VecX best = from(t, p, last);
-    if (finger) return best;
-    double least = cost(t, p, best);
-    const auto attempt = [&](const VecX& start) {
-      const VecX x = from(t, p, start);
-      const double at = cost(t, p, x);
-      if (at >= least - 1e-15) return;
-      least = at;
-      best = x;
-    };
-    attempt(p);
-    for (const Body& body : bodies) {
-      if (body.flat()) continue;
-      const Vector2d off = p - VecX(body.place(t));
-      if (off.norm() >= body.radius) continue;
-      for (const double turn : {0.0, 0.6, -0.6}) {
-        const Vector2d way = Eigen::Rotation2Dd(turn) * off.normalized();
-        attempt(VecX(body.place(t) + body.radius * way));
-      }
-    }
-    return best;
-  }
-  [[nodiscard]] std::vector<client::Plane> told(double t, const VecX& x, double near,
-                                                double uncertainty) const {
-    std::vector<client::Plane> planes;
-    std::uint32_t id = 0;
-    for (const client::PointMap& point : points(x)) {
-      for (const Body& body : bodies) {
-        ++id;
-        const Vector2d off = Vector2d(point.position[0], point.position[1]) - body.place(t);
-        const double distance = off.norm();
-        const Vector2d n = body.flat() ? body.normal : Vector2d(off / distance);
-        const double gap = body.flat() ? n.dot(off) : distance - body.radius;
-        if (gap > near) continue;
-        client::Contact contact{.point = point,
-                                .normal = {n[0], n[1], 0.0},
-                                .gap = gap,
-                                .stiffness = body.stiffness * body.told,
-                                .velocity = -n.dot(body.velocity),
-                                .id = id,
-                                .uncertainty = uncertainty};
-        if (!body.flat()) {
-          contact.curvature = client::cylinder_curvature(contact.normal, {0.0, 0.0, 1.0}, distance);
-        }
-        planes.push_back(client::contact_at(to_std(x), contact, coupling));
-      }
-    }
-    return planes;
-  }
-};
 
 /// The motion of the device: a sum of two sines in each coordinate of the point, or of the joints.
 struct Motion {
@@ -202,15 +41,12 @@ struct Motion {
   }
 };
 
-bool moves(BoundKind kind) {
-  return kind == BoundKind::kMoving || kind == BoundKind::kStroked;
-}
 bool of_finger(BoundKind kind) {
   return kind == BoundKind::kPads || kind == BoundKind::kStroked;
 }
 
 struct Run {
-  World world{};
+  BoundWorld world{};
   Motion motion{};
   core::PipelineConfig pipeline{};
   double uncertainty{0.0};
@@ -219,14 +55,14 @@ struct Run {
   test::ClientSettings client{};
 };
 
-void put_bodies(BoundKind kind, test::Random& random, World& world) {
+void put_bodies(BoundKind kind, test::Random& random, BoundWorld& world) {
   const bool several = kind == BoundKind::kDiscs || kind == BoundKind::kMoving;
   const int count =
       several ? 1 + static_cast<int>(random.next() % 3) + (kind == BoundKind::kDiscs ? 1 : 0)
       : kind == BoundKind::kFlat ? 1 + static_cast<int>(random.next() % 3)
                                  : 1;
   for (int i = 0; i < count; ++i) {
-    Body body;
+    BoundBody body;
     body.stiffness = log_between(random, 100.0, 20000.0);
     body.radius = kind == BoundKind::kFlat ? std::numeric_limits<double>::infinity()
                                            : log_between(random, 0.010, 0.060);
@@ -268,7 +104,7 @@ Run drawn(BoundKind kind, std::uint64_t number) {
   run.pipeline.scene.staleness.fade_end = std::chrono::milliseconds(300);
   put_bodies(kind, random, run.world);
   run.uncertainty = random.next() % 2 == 0 ? 0.0 : between(random, 0.05, 0.3);
-  for (Body& body : run.world.bodies) {
+  for (BoundBody& body : run.world.bodies) {
     body.told = 1.0 / (1.0 + between(random, -run.uncertainty, run.uncertainty));
   }
   run.nearest = random.next() % 2 == 0;
@@ -313,17 +149,18 @@ class Truth {
     static_cast<void>(map_.evaluate(q, p, J));
     if (x_.size() == 0) x_ = p;
     x_ = run_.nearest ? run_.world.from(t, p, x_) : run_.world.least(t, p, x_);
-    const std::vector<Gap> gaps = run_.world.gaps(t, x_);
+    std::array<BoundGap, BoundWorld::kMostGaps> gaps;
+    const std::size_t count = run_.world.gaps(t, x_, gaps);
     core::Contacts contacts;
-    const auto count = static_cast<Eigen::Index>(gaps.size());
-    contacts.into.resize(2, count);
-    contacts.depth.resize(count);
+    contacts.into.resize(2, static_cast<Eigen::Index>(count));
+    contacts.depth.resize(static_cast<Eigen::Index>(count));
     touched = false;
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const Gap& gap = gaps[static_cast<std::size_t>(i)];
+    for (std::size_t k = 0; k < count; ++k) {
+      const BoundGap& gap = gaps[k];
+      const auto i = static_cast<Eigen::Index>(k);
       const double length = gap.g.norm();
       contacts.into.col(i) = -gap.g / length;
-      contacts.depth[i] = -(gap.phi + gap.g.dot(Vector2d(p - x_))) / length;
+      contacts.depth[i] = -(gap.phi + gap.g.dot(p - x_)) / length;
       touched = touched || gap.phi < 0.0;
     }
     if (!touched) return core::VecA::Zero(map_.layout().n_a());

@@ -22,6 +22,10 @@ enum class BoundKind : std::uint8_t {
 inline constexpr std::array kBoundKinds{BoundKind::kDisc,   BoundKind::kDiscs, BoundKind::kFlat,
                                         BoundKind::kMoving, BoundKind::kPads,  BoundKind::kStroked};
 [[nodiscard]] std::string_view name(BoundKind kind) noexcept;
+/// Its discs do.
+[[nodiscard]] constexpr bool moves(BoundKind kind) noexcept {
+  return kind == BoundKind::kMoving || kind == BoundKind::kStroked;
+}
 
 struct BoundRuns {
   long runs{0}, broken_runs{0};

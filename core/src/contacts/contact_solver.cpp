@@ -28,7 +28,7 @@ void ContactSolver::begin() noexcept {
   fill();
   damped_ = 1.0;
   unsettled_ = 0.0;
-  for (VecX* each : {&z_, &y_before_}) each->setZero(gaps_.space().n_x());
+  for (VecX* each : {&z_, &at_, &y_before_}) each->setZero(gaps_.space().n_x());
 }
 
 void ContactSolver::fill() noexcept {
@@ -95,6 +95,7 @@ PlaneStatus ContactSolver::settle(const VecX& y, double age, int most_steps) noe
     if (!step_.allFinite()) continue;
     const double step = step_.lpNorm<Eigen::Infinity>();
     damp(step, first && (fresh_ || step <= kTheirs * moved));
+    at_ = z_ + step_;
     z_ += damped_ * step_;
     if (step < kSameX) break;
   }

@@ -10,11 +10,8 @@ namespace haptic::core {
 
 namespace {
 
-/// Gap errors of several rigid contacts whose gradients are 30 degrees apart or more.
-constexpr double kWedge = 2.0;
-constexpr double kNarrow = 0.8660254037844386;  ///< cosine of these
-constexpr double kMargin = 1.05;       ///< of E: rounding, and what the last linearisation leaves
-constexpr double kStiff = 1.0 / 16.0;  ///< gamma below which kWedge counts
+constexpr double kParallel = 1e-6;  ///< 1 - cosine^2 of two rigid contacts
+constexpr double kMargin = 1.01;    ///< of E: rounding
 
 }  // namespace
 
@@ -50,9 +47,8 @@ void ProxyBound::at(double age_error, ProxyError& out) const noexcept {
 /// `moved` is how far x and what is linearised there may be from the simulation's.
 void ProxyBound::contact_errors(double age_error, const Remainder* left,
                                 ProxyError& out) const noexcept {
-  const double unsettled = solver_.unsettled();
-  const double moved = out.everywhere + (out.of.size() > 0 ? out.of.sum() : 0.0) + unsettled;
-  const double way = solver_.l().head(gaps_.size()).sum() + unsettled;  // from the probe, or more
+  const double moved = out.everywhere + (out.of.size() > 0 ? out.of.sum() : 0.0);
+  const double way = solver_.l().head(gaps_.size()).sum();  // from the probe, or more
   out.depth.resize(gaps_.size());
   if (gaps_.curved() != 0) out.turn.setZero(gaps_.size());
   const Vector &l = solver_.l(), &scale = gaps_.scale();
@@ -84,15 +80,11 @@ void ProxyBound::contact_errors(double age_error, const Remainder* left,
 void ProxyBound::proxy_error(double age_error, Remainder* left, ProxyError& out) const noexcept {
   out.of.setZero(gaps_.size());
   out.everywhere = anchor_.unexplained();
-  const Open open = what_is_open(age_error, left);
+  Open open = what_is_open(age_error, left);
   if (open.involved == 0) return;
-  out.known = open.bent < kMostBent;
-  const double stays = std::max(1.0 - open.bent, 1.0 - kMostBent);
-  // Each linearisation shrinks what is left by `bent`, or more.
-  if (gaps_.curved() != 0) out.everywhere += solver_.unsettled() * open.bent / stays;
+  out.known = open.bent < kMostPressed;
   if (of_one_flat_contact(open, out)) return;
-  double as_gap[kMaxPlanes];
-  const double off = of_each_contact(open, left, as_gap, out);
+  const double off = of_each_contact(open, left, out);
   out.known = out.known && grow(open, off, left, out) && !wedged(open) && only_minimum(open, left);
 }
 
@@ -102,8 +94,13 @@ ProxyBound::Open ProxyBound::what_is_open(double age_error, Remainder* left) con
   const Vector &l = solver_.l(), &at_anchor = anchor_.l(), &told_l = anchor_.told_l();
   const Vector& scale = gaps_.scale();
   int touched = 0;
+  double far = 0.0;
   LastTurn last;
   for (int i = 0; i < gaps_.size(); ++i) touched += at_anchor[i] > 0.0 || told_l[i] > 0.0;
+  if (touched > 1 && gaps_.curved() != 0) {
+    VecX scratch;
+    far = gaps_.metric().weighed(solver_.at(), scratch).norm();
+  }
   for (int i = 0; i < gaps_.size(); ++i) {
     double &slope = open.slope[i], &share = open.share[i], &gap = open.gap[i], &room = open.room[i];
     slope = share = gap = room = 0.0;
@@ -113,13 +110,15 @@ ProxyBound::Open ProxyBound::what_is_open(double age_error, Remainder* left) con
     slope = u * std::abs(l[i] - before);
     // Told as not touched, yet it must explain x: nothing is known of when it ends.
     if (before > 0.0 && told_l[i] == 0.0) share = std::abs(l[i] - before) + before;
+    if (gaps_.is_curved(i)) left[i] = remainder(i, last);
     if (touched > 1 && std::max(before, told_l[i]) > 0.0) {
-      // Several contacts may share what the anchor explains in another way: felt where one lifts.
+      // Several contacts may share what the anchor explains in another way: felt where one lifts,
+      // or turns.
       const double shared = std::abs(before - told_l[i]) + u * told_l[i];
       share += l[i] > 0.0 ? std::max(0.0, shared + slope - l[i]) : 2.0 * shared;
+      if (gaps_.is_curved(i)) share += shared * (bend_[i] * far + left[i].gradient);
     }
     if (gaps_.is_curved(i)) {
-      left[i] = remainder(i, last);
       gap = scale[i] * left[i].gap;
       share += scale[i] * l[i] * left[i].gradient;
       open.bent += scale[i] * l[i] * left[i].bend;
@@ -132,10 +131,13 @@ ProxyBound::Open ProxyBound::what_is_open(double age_error, Remainder* left) con
       }
       room = std::max(0.0, room);
     }
-    if (l[i] > 0.0 || slope > 0.0 || share > 0.0 || gap > room) {
-      const bool lost = gaps_.is_curved(i) && scale[i] * left[i].gradient > kMostBent;
+    // Turned so far that nothing of its direction is left.
+    const bool gone = scale[i] == 0.0;
+    if (gone || l[i] > 0.0 || slope > 0.0 || share > 0.0 || gap > room) {
+      const bool lost = gone || (gaps_.is_curved(i) && scale[i] * left[i].gradient > kMostBent);
       if (lost) open.bent = std::numeric_limits<double>::infinity();
       ++open.involved;
+      open.other = open.only;
       open.only = i;
     }
   }
@@ -159,22 +161,62 @@ bool ProxyBound::of_one_flat_contact(const Open& open, ProxyError& out) const no
   return out.along >= 0;
 }
 
-/// Their sum. `as_gap`: how far x is off per error of a gap.
-double ProxyBound::of_each_contact(const Open& open, const Remainder* left, double* as_gap,
+/// How far x goes per error of the gap of contact i, if no more than one other contact pushes. That
+/// one may let go, or push as much as its stiffness allows: the worst lies at one of these ends.
+double ProxyBound::per_gap(const Open& open, int i, double gamma) const noexcept {
+  const double alone = 1.0 / (1.0 + gamma);
+  if (open.involved == 1) return alone;
+  const int j = i == open.only ? open.other : open.only;
+  const double t = 1.0 + gaps_.gamma()[j] / (1.0 + uncertainty_[j]);
+  const double cosine = gaps_.gradients().col(i).dot(gaps_.contacts().into.col(j));
+  const double square = cosine * cosine, stays = (1.0 + gamma) * t - square;
+  const double both = std::sqrt(std::max(0.0, t * t - square * (2.0 * t - 1.0)));
+  return std::max(alone, stays > kParallel ? both / stays : HUGE_VAL);
+}
+
+/// One or two contacts are concerned, and no other one is touched on a way of this length.
+bool ProxyBound::few(const Open& open, double way) const noexcept {
+  for (int i = 0; i < gaps_.size() && open.involved <= 2; ++i) {
+    const bool one = i == open.only || (open.involved == 2 && i == open.other);
+    if (!one && !gaps_.leaves_out(i) && open.room[i] < way + open.gap[i]) return false;
+  }
+  return open.involved <= 2;
+}
+
+/// Their sum, with e_0. Sets `along` if one contact alone is concerned: what it adds along its
+/// normal is then in `of`, and the rest in `everywhere`.
+double ProxyBound::of_each_contact(Open& open, const Remainder* left,
                                    ProxyError& out) const noexcept {
-  double off = 0.0;
+  double off = out.everywhere, part[kMaxPlanes];  // part: a way along the normal
   for (int i = 0; i < gaps_.size(); ++i) {
     const bool curved = gaps_.is_curved(i);
+    part[i] = 0.0;
     if (!curved && open.slope[i] + open.share[i] + open.gap[i] == 0.0) continue;
     const double u = uncertainty_[i], gamma = gaps_.gamma()[i];
     const double as_force = u < 1.0 ? std::min(1.0, 0.5 * std::sqrt(gamma / (1.0 - u))) : 1.0;
     const double most = open.involved == 1 ? 1.0 : kWedge;
-    as_gap[i] = gamma > 0.0 ? std::min(most, 0.5 * std::sqrt((1.0 + u) / gamma)) : most;
+    const double as_gap = gamma > 0.0 ? std::min(most, 0.5 * std::sqrt((1.0 + u) / gamma)) : most;
     // Its true gradient may be shorter: the same gap is then a longer way.
-    if (curved) as_gap[i] /= std::max(1.0 - gaps_.scale()[i] * left[i].gradient, 1.0 - kMostBent);
-    const double by_gap = std::max(0.0, open.gap[i] - open.room[i]) * as_gap[i];
-    out.of[i] = open.share[i] + open.slope[i] * as_force + by_gap;
+    const double gradient = curved ? gaps_.scale()[i] * left[i].gradient : 0.0;
+    const double longer = 1.0 / std::max(1.0 - gradient, 1.0 - kMostBent);
+    part[i] = longer * std::max(0.0, open.gap[i] - open.room[i]);
+    out.of[i] = open.share[i] + open.slope[i] * as_force + part[i] * as_gap;
     off += out.of[i];
+  }
+  open.few = open.bent < kMostPressed && few(open, 2.0 * off / (1.0 - open.bent));
+  if (!open.few) return off;
+  off = out.everywhere;
+  for (int left_over = open.involved, i = open.only; left_over > 0; --left_over, i = open.other) {
+    const double u = uncertainty_[i], gamma = gaps_.gamma()[i], softest = gamma / (1.0 - u);
+    const double as_force = u < 1.0 ? softest * per_gap(open, i, softest) : 1.0;
+    part[i] = open.slope[i] * as_force + part[i] * per_gap(open, i, gamma / (1.0 + u));
+    out.of[i] = open.share[i] + part[i];
+    off += out.of[i];
+  }
+  if (open.involved == 1) {
+    out.along = open.only;
+    out.of[out.along] = part[out.along];
+    out.everywhere = off - part[out.along];
   }
   return off;
 }
@@ -185,76 +227,40 @@ double ProxyBound::of_each_contact(const Open& open, const Remainder* left, doub
 /// sample tells of a body.
 bool ProxyBound::grow(const Open& open, double off, const Remainder* left,
                       ProxyError& out) const noexcept {
-  const double stays = std::max(1.0 - open.bent, 1.0 - kMostBent);
-  const double unsettled = solver_.unsettled();
+  const double stays = std::max(1.0 - open.bent, 1.0 - kMostPressed);
   for (const double times : {1.25, 2.0}) {
-    const double most = times * off / stays, far = most + out.everywhere + unsettled;
+    const double most = times * off / stays;
     double c = 0.0;
     bool follows = true;
     for (int i = 0; i < gaps_.size(); ++i) {
       if (!gaps_.is_curved(i)) continue;
       const double scale = gaps_.scale()[i];
-      const double bend = scale * left[i].bend_within(far);
-      follows = follows && left[i].grows * far <= 1.0;
-      c += 0.5 * scale * solver_.l()[i] * left[i].third_within(far);
+      const double bend = scale * left[i].bend_within(most);
+      follows = follows && left[i].grows * most <= 1.0;
+      c += 0.5 * scale * solver_.l()[i] * left[i].third_within(most);
       // On its way x may also touch what it does not touch here.
       if (open.gap[i] + most + 0.5 * bend * most * most <= open.room[i]) continue;
-      follows = follows && bend * far <= kMostFar;
+      follows = follows && bend * most <= kMostFar;
       c += 0.5 * bend * (open.involved == 1 && solver_.l()[i] > 0.0 ? 1.0 : kWedge);
     }
     const double root = stays * stays - 4.0 * c * off;
     if (!follows || root < 0.0) return false;
     const double grown = 2.0 / (stays + std::sqrt(root));
     if (grown * off > most) continue;
-    out.of *= gaps_.curved() != 0 ? kMargin * grown : grown;
+    if (gaps_.curved() == 0) return true;
+    if (out.along < 0) {
+      out.of *= kMargin * grown;
+      out.everywhere *= kMargin * grown;
+      return true;
+    }
+    // Forces that turn and gaps that bend lead anywhere, and so does the turn of the normal to x^.
+    const double along = out.of[out.along], scale = gaps_.scale()[out.along];
+    const double turned = left[out.along].gradient + left[out.along].bend_within(most) * most;
+    out.everywhere = kMargin * (grown * off - along + scale * turned * along);
+    out.of[out.along] = kMargin * along;
     return true;
   }
   return false;
-}
-
-/// Errors of two stiff gaps move the edge between them by much more, if they meet at less than
-/// kWedge is for.
-bool ProxyBound::wedged(const Open& open) const noexcept {
-  for (int i = 0; i < gaps_.size() && open.involved > 1; ++i) {
-    if (open.gap[i] <= open.room[i] || gaps_.gamma()[i] > kStiff) continue;
-    for (int j = 0; j < gaps_.size(); ++j) {
-      if (j == i || gaps_.leaves_out(j) || gaps_.gamma()[j] > kStiff) continue;
-      if (solver_.l()[j] == 0.0 && open.gap[j] <= open.room[j]) continue;
-      const double cosine = gaps_.gradients().col(i).dot(gaps_.contacts().into.col(j));
-      if (std::abs(cosine) > kNarrow) return true;
-    }
-  }
-  return false;
-}
-
-/// Round bodies of a point: the sums of l_i ||H_i|| of two minima are 2 or more together. None is
-/// further from the probe than `most`, and none stores more, which bounds the other's sum.
-bool ProxyBound::only_minimum(const Open& open, const Remainder* left) const noexcept {
-  VecX pushed = VecX::Zero(gaps_.space().n_x());
-  for (int i = 0; i < gaps_.size(); ++i) {
-    if (solver_.l()[i] > 0.0) gaps_.push(pushed, solver_.l()[i], i);
-  }
-  double square = 0.0;
-  for (int i = 0; i < gaps_.size(); ++i) {
-    const double l = solver_.l()[i];
-    if (l > 0.0) square += l * (gaps_.along(i, pushed.data()) + gaps_.gamma()[i] * l);
-  }
-  const double most = std::sqrt(square);
-  double sharpest = 0.0, softness = 0.0;
-  int near = 0;
-  for (int i = 0; i < gaps_.size(); ++i) {
-    if (gaps_.leaves_out(i) || gaps_.contacts().depth[i] < -most) continue;
-    const double gamma = gaps_.gamma()[i];
-    ++near;
-    softness += gamma > 0.0 ? 1.0 / gamma : HUGE_VAL;
-    if (!gaps_.is_curved(i)) continue;
-    if (round_[static_cast<std::size_t>(i)].moves() == RoundGap::Moves::kHinges) return true;
-    const double radius = 1.0 / (gaps_.scale()[i] * left[i].bend);
-    const double least =
-        std::max(radius - 2.0 * most, radius + gamma * solver_.l()[i] - std::sqrt(gamma) * most);
-    sharpest = std::max(sharpest, least > 0.0 ? 1.0 / least : HUGE_VAL);
-  }
-  return near < 2 || open.bent + std::min(kWedge, std::sqrt(softness)) * most * sharpest < 2.0;
 }
 
 }  // namespace haptic::core

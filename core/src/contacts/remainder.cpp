@@ -66,21 +66,35 @@ RoundGap ProxyBound::round_gap(const PlaneSet& told, int i) const noexcept {
   return fits ? gap : RoundGap{};
 }
 
-/// For a round body: the remainder at z itself. For other bodies a bound: if a point meets a body
+/// For a round body: the remainder at x itself. For other bodies a bound: if a point meets a body
 /// of constant curvature 1/R, the third derivative of the gap along z is 3 z_n z_t^2 / R^2; planar
 /// joints add 3 of the gradient and of H per angle. A contact without curvature is taken as flat.
 ProxyBound::Remainder ProxyBound::remainder(int i, LastTurn& last) const noexcept {
   const auto [first, n, begin] = gaps_.curve(i);
+  const double* const z = solver_.at().data() + first;
+  const RoundGap& round = round_[static_cast<std::size_t>(i)];
+  if (round.moves() == RoundGap::Moves::kUnknown) return of_any_shape(i, z);
+  // The law is the plane that is in use.
+  double gradient[RoundGap::kMost];
+  const double scale = gaps_.scale()[i];
+  for (int k = 0; k < n; ++k) gradient[k] = -gaps_.gradients()(first + k, i) / scale;
+  const double gap = (gaps_.beta()[i] - gaps_.along(i, solver_.at().data())) / scale;
+  const RoundGap::Law law{gap - gaps_.told_beta()[i], gradient};
+  if (round.moves() == RoundGap::Moves::kPoint) return round.point(z, law);
+  if (last.first != first) last = {first, RoundGap::Turn(z)};
+  return round.hinges(last.turn, law);
+}
+
+ProxyBound::Remainder ProxyBound::of_any_shape(int i, const double* z) const noexcept {
+  const auto [first, n, begin] = gaps_.curve(i);
   const double* entry = gaps_.curvature(i);
-  const double* const z = solver_.z().data() + first;
   const double* const g = gaps_.told_gradients().col(i).data() + first;
-  Eigen::Matrix<double, kMaxCurved, 1> Hz = Eigen::Matrix<double, kMaxCurved, 1>::Zero();
-  double turns = 0.0, along = 0.0, most_along = 0.0, most_bent = 0.0;
+  double turns = 0.0, along = 0.0, most_along = 0.0, bent = 0.0, most_bent = 0.0;
   for (int row = 0; row < n; ++row) {
     for (int column = 0; column <= row; ++column, ++entry) {
-      Hz[row] += *entry * z[column];
-      if (column < row) Hz[column] += *entry * z[row];
-      most_bent += (column < row ? 2.0 : 1.0) * std::abs(*entry * z[column] * z[row]);
+      const double twice = (column < row ? 2.0 : 1.0) * *entry * z[column] * z[row];
+      bent += twice;
+      most_bent += std::abs(twice);
     }
     if (turns_points(gaps_.space().coordinates()[static_cast<std::size_t>(first + row)])) {
       turns += std::abs(z[row]);
@@ -88,30 +102,19 @@ ProxyBound::Remainder ProxyBound::remainder(int i, LastTurn& last) const noexcep
     most_along += std::abs(g[row] * z[row]);
     along -= g[row] * z[row];
   }
-  double bent = 0.0;
-  for (int row = 0; row < n; ++row) bent += Hz[row] * z[row];
-  const RoundGap& round = round_[static_cast<std::size_t>(i)];
-  if (round.moves() != RoundGap::Moves::kUnknown) {
-    // The law as linearise() makes it.
-    const double turned = Hz.head(n).norm() / round.length();
-    const double share = turned > ContactGaps::kMostTurn ? ContactGaps::kMostTurn / turned : 1.0;
-    for (int row = 0; row < n; ++row) Hz[row] = share * Hz[row] - g[row];
-    const RoundGap::Law law{along + share * (1.0 - 0.5 * share) * bent, Hz.data()};
-    if (round.moves() == RoundGap::Moves::kPoint) return round.point(z, law);
-    if (last.first != first) last = {first, RoundGap::Turn(z)};
-    return round.hinges(last.turn, law);
-  }
   VecX scratch;
   const TaskMetric& metric = gaps_.metric();
-  const double far = metric.is_identity() ? solver_.z().segment(first, n).norm()
-                                          : metric.weighed(solver_.z(), scratch).norm();
+  const double far = metric.is_identity() ? solver_.at().segment(first, n).norm()
+                                          : metric.weighed(solver_.at(), scratch).norm();
   const double turned = bend_[i] * far;
   if (turned > kMostBent) return {kNothingKnown, kNothingKnown, kNothingKnown};
   const double left = 1.0 - turned;
   const double curve = 0.5 * (std::abs(along) + std::abs(bent)) * turned * turned / (left * left);
   const double tilt = 0.5 * turned * (turned + 2.0 * bend_[i] * std::abs(along)) / (left * left);
-  return {curve + 0.5 * turns * (turns * most_along + most_bent),
-          tilt + 1.5 * turns * (turns + turned), bend_[i] / left};
+  // The plane that is in use touches the law a little way from x.
+  const double off = bend_[i] * solver_.unsettled();
+  return {curve + 0.5 * turns * (turns * most_along + most_bent) + 0.5 * off * solver_.unsettled(),
+          tilt + 1.5 * turns * (turns + turned) + off, bend_[i] / left};
 }
 
 }  // namespace haptic::core

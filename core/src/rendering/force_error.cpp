@@ -58,11 +58,13 @@ bool ForceError::at(const Renders& renders, const Contacts& contacts, const Prox
     const bool baseline =
         renders.kind == RendererKind::kStandard || renders.kind == RendererKind::kNullSpace;
     // Along one contact its direction alone counts; else the longest row.
-    const bool along = error.along >= 0 && error.everywhere < ProxyError::kNothing;
+    bool along = error.along >= 0;
     if (along) {
       along_ = contacts.into.col(error.along).segment(block.at.first_x, block.at.n_x());
       block.model.metric().weigh(along_);
+      along = !along_.isZero(0.0);
     }
+    const double straight = along ? error.of[error.along] : 0.0;
     const double z_x =
         baseline ? virtual_stiffness(stiffness, block.model.mean_actuated_jacobian()) : 0.0;
     VecA moved;
@@ -73,11 +75,13 @@ bool ForceError::at(const Renders& renders, const Contacts& contacts, const Prox
       if (along) moved = block.solver.also(J_, along_);
     }
     for (int a = 0; a < n_a; ++a) {
-      double row = 0.0;
+      double row = 0.0, part = 0.0;  // of the longest way, and of the one along the contact
       if (baseline) {
         const auto column = J_.col(block.model.layout().actuated(a));
-        row = z_x * (along && renders.kind == RendererKind::kStandard ? std::abs(column.dot(along_))
-                                                                      : column.norm());
+        part = row = z_x * column.norm();
+        if (along && renders.kind == RendererKind::kStandard) {
+          part = z_x * std::abs(column.dot(along_));
+        }
       } else {
         VecA pull = VecA::Zero(n_a);
         if (renders.Z_q.size() > 0) {
@@ -85,9 +89,10 @@ bool ForceError::at(const Renders& renders, const Contacts& contacts, const Prox
         } else {
           pull[a] = stiffness[a];
         }
-        row = along ? std::abs(pull.dot(moved)) : block.solver.felt(pull);
+        if (along) part = std::abs(pull.dot(moved));
+        row = off > straight ? block.solver.felt(pull) : 0.0;
       }
-      force[block.at.first_a + a] = row * off;
+      force[block.at.first_a + a] = row * (off - straight) + part * straight;
     }
   }
   return true;

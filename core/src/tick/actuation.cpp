@@ -5,6 +5,15 @@
 
 namespace haptic::core {
 
+namespace {
+
+/// Up to these shares a bound of the error says something: of the largest force, each by its limit,
+/// and of the limit itself, which is less than people feel.
+constexpr double kMostOfForce = 0.25;
+constexpr double kLeastKnown = 0.002;
+
+}  // namespace
+
 Actuation::Actuation(const ProjectionModel& model, const PipelineConfig& config)
     : layout_(model.layout()), spring_(model, config), held_(VecA::Zero(layout_.n_a())) {
   if (!config.ratings.empty()) ratings_.emplace(config.ratings);
@@ -42,14 +51,7 @@ Effort Actuation::step(const Beat& beat, const Sensed& sensed, const Anchor& wan
   if (powered && life.gain > 0.0) report_saturation(settings, effort);
   if (!effort.tau_a.allFinite()) no_output(effort);
   spring_.hold(effort);
-  if (wanted.force_error.size() > 0) {
-    const VecA wish = life.gain * settings.unlimited(wanted.stretch(layout_, sensed.q));
-    effort.error_bound = life.gain * wanted.force_error + (wish - effort.tau_elastic).cwiseAbs();
-    // More than any force says nothing.
-    if ((effort.error_bound.array() > settings.force_limit.array()).any()) {
-      effort.error_bound.resize(0);
-    }
-  }
+  if (wanted.force_error.size() > 0) bound_error(sensed, wanted, life, settings, effort);
   if (force_control_) {
     const FaultSet faults = life.faults | effort.faults;
     const bool asked_for = life.gain > 0.0 || life.damping_gain > 0.0;
@@ -101,6 +103,22 @@ void Actuation::report_saturation(const Settings& settings, Effort& effort) cons
   const Limiter by = warm ? Limiter::kTemperature : Limiter::kSaturation;
   effort.actuator_limiters[static_cast<std::size_t>(i)].set(by);
   effort.limiters.set(by);
+}
+
+/// It says nothing if it is no small share of the force, or more than any force. What is held back
+/// is known, and so is no part of that share.
+void Actuation::bound_error(const Sensed& sensed, const Anchor& wanted, const Lifecycle& life,
+                            const Settings& settings, Effort& effort) const noexcept {
+  const VecA& limit = settings.force_limit;
+  const VecA wish = settings.unlimited(wanted.stretch(layout_, sensed.q));
+  double share = kLeastKnown;
+  for (int i = 0; i < layout_.n_a(); ++i) {
+    share = std::max(share, kMostOfForce * std::abs(wish[i]) / limit[i]);
+  }
+  if ((wanted.force_error.array() > share * limit.array()).any()) return;
+  effort.error_bound =
+      life.gain * wanted.force_error + (life.gain * wish - effort.tau_elastic).cwiseAbs();
+  if ((effort.error_bound.array() > limit.array()).any()) effort.error_bound.resize(0);
 }
 
 void Actuation::no_output(Effort& effort) noexcept {

@@ -29,6 +29,9 @@ class Actuation {
              const Settings& settings, Effort& effort) noexcept;
   /// A coupled spring is saturated as a whole, before the limits of each actuator.
   void report_saturation(const Settings& settings, Effort& effort) const noexcept;
+  /// How far the elastic force may be from the simulation's own, if that says something.
+  void bound_error(const Sensed& sensed, const Anchor& wanted, const Lifecycle& life,
+                   const Settings& settings, Effort& effort) const noexcept;
   /// A command that is not finite is a defect of this program: nothing goes out.
   void no_output(Effort& effort) noexcept;
   /// The force loop or the admittance.

@@ -51,6 +51,7 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
         }
         const bool anchored = past_.find(sample.anchored_at, used_);
         projection_.set(sample.planes, sample.x, anchored ? &used_ : nullptr);
+        used_time_ = past_.time(sample.anchored_at);
         began_ = anchored && projection_.has_laws() ? sample.anchored_at : 0;
         if (began_ != 0) replay(moment, now.x);
       }
@@ -59,7 +60,7 @@ void LocalProxy::step(const ProxySnapshot& sample, const Moment& moment, const V
       if (now.stored > 0.0) now.coupling = projection_.coupling();
       now.unexplained = projection_.unexplained();
       now.active_planes = projection_.active();
-      projection_.error(moment.age_error, error_);
+      projection_.error(age_error(sample, moment), error_);
       now.in_the_way = changed_ = now.planes != PlaneStatus::kFree;
       break;
     case ProxyMode::kNone:
@@ -122,6 +123,13 @@ bool LocalProxy::go_on(TimePoint now, double dt, VecX& x) noexcept {
     way_s_ = 0.0;
   }
   return true;
+}
+
+double LocalProxy::age_error(const ProxySnapshot& sample, const Moment& moment) const noexcept {
+  if (sample.planes.velocity.size() == 0) return 0.0;
+  const double since_arrival = seconds(moment.now - sample.born);
+  const double since_use = seconds(moment.now - used_time_);
+  return std::max({moment.age - since_arrival, since_use - moment.age, 0.0});
 }
 
 /// Spends a quarter of what a replay may cost; replay() has the rest.

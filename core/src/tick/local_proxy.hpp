@@ -23,7 +23,6 @@ class LocalProxy {
     std::uint64_t tick{0};  ///< rises by one from step to step
     double age{0.0};        ///< of the sample, s
     TimePoint now{};        ///< rises with it
-    double age_error{0.0};  ///< of that, at most, s
   };
 
   /// `space` must outlive this. `metric`: W_x, in which planes keep x out by the shortest way.
@@ -58,6 +57,9 @@ class LocalProxy {
                TimePoint now) noexcept;
   /// x, the newest sample's, on that way in this tick, `dt` s after the last. False: it was there.
   [[nodiscard]] bool go_on(TimePoint now, double dt, VecX& x) noexcept;
+  /// How far that age may be off, s: the simulation did not compute it before the tick that it
+  /// used, nor after its arrival.
+  [[nodiscard]] double age_error(const ProxySnapshot& sample, const Moment& moment) const noexcept;
   /// The objects of the sample before are taken to the tick of the next one, which tells how fast
   /// they became by then.
   void compare(std::uint64_t next, VecX& x) noexcept;
@@ -80,6 +82,7 @@ class LocalProxy {
   ProxyError error_{};
   std::uint64_t began_{0};     ///< the tick of the sample in use, if it has laws and that is known
   VecX used_{};                ///< the probe from which the sample was computed
+  TimePoint used_time_{};      ///< when it was there, if the sample is anchored
   VecX held_{};                ///< x of the newest held sample
   VecX dx_{};                  ///< to that from used_
   std::bitset<kMaxX> free_{};  ///< coordinates of the held sample that follow the probe

@@ -112,19 +112,6 @@ Duration contact_age(const ProxySnapshot& sample, TimePoint now,
          std::clamp(now - sample.born, Duration::zero(), most);
 }
 
-/// That may be off: the simulation did not compute it before the tick that it used, nor after its
-/// arrival.
-LocalProxy::Moment moment_of(const ProxySnapshot& sample, const Beat& beat, const TickInput& in,
-                             const Settings& settings) noexcept {
-  const Duration age = contact_age(sample, in.now, settings);
-  Duration error{0};
-  if (sample.planes.velocity.size() > 0 && sample.anchored_at <= beat.tick) {
-    const auto ticks = static_cast<Duration::rep>(beat.tick - sample.anchored_at);
-    error = std::max({age - (in.now - sample.born), ticks * in.period - age, error});
-  }
-  return {beat.tick, seconds(age), in.now, seconds(error)};
-}
-
 }  // namespace
 
 /// The stages in the order in which a tick takes them, and what a tick needs of the last one.
@@ -154,8 +141,9 @@ class Pipeline::Stages {
         .proxy = proxy_.step(in, newest, settings.staleness, now.sensed.tracker, state_),
         .derating =
             derating_.step(in, now.beat, now.sensed, proxy_.sample(), proxy_.moved(), settings),
-        .anchor = rendering_.step(moment_of(proxy_.sample(), now.beat, in, settings), now.sensed,
-                                  proxy_.sample(), derating_.settings(settings), in_use_),
+        .anchor = rendering_.step(
+            {now.beat.tick, seconds(contact_age(proxy_.sample(), in.now, settings)), in.now},
+            now.sensed, proxy_.sample(), derating_.settings(settings), in_use_),
         .life = supervisor_.step(in, now.beat, settings, now.sensed, now.proxy, now.anchor,
                                  output_faults_),
         .effort =

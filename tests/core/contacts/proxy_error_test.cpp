@@ -202,6 +202,22 @@ TEST(ProxyError, BoundsADiscThatIsStroked) {
   }
 }
 
+/// A point that two discs hold nearly from opposite sides. How they share its force is told only
+/// within 20 %, and each part turns with its disc.
+TEST(ProxyError, BoundsAPointBetweenDiscs) {
+  Gaps discs;
+  for (const double side : {-1.0, 1.0}) {
+    discs.emplace_back([side](const round_bodies::Coordinates& x) {
+      return round_bodies::distance(Eigen::Matrix3d::Identity(), 0.030, 1.0, 1.0,
+                                    {x[0] - 0.029 * side, x[1] - 0.001 * side, 0.0},
+                                    Eigen::Matrix3d::Identity().leftCols(2));
+    });
+  }
+  const Judged judged = curved(line_space(2), discs, {0.0, 0.0}, 0.004, 0.003, 0.2, 0.3, 7);
+  ASSERT_GT(judged.errors.size(), 1000u);
+  EXPECT_LT(judged.loose(), 3.0);
+}
+
 /// Four pads of a finger.
 Gaps pads(double aside) {
   Gaps gaps;

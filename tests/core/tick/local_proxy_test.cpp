@@ -36,6 +36,21 @@ class LocalProxyTest : public ::testing::Test {
   std::uint64_t tick_{0};
 };
 
+/// A wall that moves at 0.1 m/s, told from the probe of tick 1, whose clock is late in tick 2.
+TEST_F(LocalProxyTest, AgeErrorIsByTheClock) {
+  ProxySnapshot sample = sample_of(ProxyMode::kPlanes, 1);
+  sample.planes.compliance = sample.planes.uncertainty = VecX::Zero(1);
+  sample.planes.velocity = VecX::Constant(1, 0.1);
+  sample.anchored_at = 1;
+  sample.x = two(0.5, 0.0);
+  step({}, 0.6, 0.0);
+  sample.born = TimePoint{std::chrono::milliseconds(6)};
+  Anchor now;
+  local_.step(sample, {2, 0.002, TimePoint{std::chrono::milliseconds(7)}}, two(0.6, 0.0), now);
+  ASSERT_TRUE(local_.error().known);
+  EXPECT_NEAR(local_.error().of.sum(), 0.1 * 0.004, 1e-12) << "6 ms since the probe, less 2";
+}
+
 TEST_F(LocalProxyTest, HeldProxyStays) {
   const ProxySnapshot held = sample_of(ProxyMode::kHeld, 1);
   const Anchor now = step(held, 0.0, 0.0);

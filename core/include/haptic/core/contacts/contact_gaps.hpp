@@ -58,9 +58,10 @@ class ContactGaps {
   [[nodiscard]] const Vector& length() const noexcept { return length_; }
   /// Each contact now by what it was at y = 0; 1 if it does not curve.
   [[nodiscard]] const Vector& scale() const noexcept { return scale_; }
-  /// Column i: a_i now, and of a contact that curves a_i at y = 0.
+  /// Column i: a_i now, and of a contact that curves a_i at y = 0; its beta_i there.
   [[nodiscard]] const PlaneSet::Normals& gradients() const noexcept { return A_; }
   [[nodiscard]] const PlaneSet::Normals& told_gradients() const noexcept { return told_.A; }
+  [[nodiscard]] const Vector& told_beta() const noexcept { return told_.beta; }
   [[nodiscard]] const Curve& curve(int i) const noexcept {
     return curve_[static_cast<std::size_t>(i)];
   }

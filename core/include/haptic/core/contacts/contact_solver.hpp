@@ -47,9 +47,8 @@ class ContactSolver {
   // After the last project():
   [[nodiscard]] int multiplications() const noexcept { return dual_.spent(); }
   [[nodiscard]] int linearisations() const noexcept { return linearisations_; }
-  /// y where curved gaps are linearised next, and how far the last linearisation was from that, in
-  /// ||.||_W.
-  [[nodiscard]] const VecX& z() const noexcept { return z_; }
+  /// If gaps curve: y of x, and how far from it they are linearised, in ||.||_W.
+  [[nodiscard]] const VecX& at() const noexcept { return at_; }
   [[nodiscard]] double unsettled() const noexcept { return unsettled_; }
 
  private:
@@ -61,7 +60,7 @@ class ContactSolver {
   const ContactLaws& laws_;
   ContactDual dual_{};
   bool fresh_{false};  ///< no project() since begin()
-  VecX z_{}, step_{};
+  VecX z_{}, step_{}, at_{};
   double unsettled_{0.0};
   int linearisations_{0};
   double damped_{1.0};       ///< share of a step of z_ that is taken

@@ -42,26 +42,34 @@ class ProxyBound {
     double bent{0.0};  ///< sum of l_i ||H_i||: the share of E that curvature adds, at most
     int involved{0};   ///< contacts that may push x elsewhere
     int only{-1};      ///< the last of them
+    int other{-1};     ///< the last but one
+    bool few{false};   ///< no third one is within reach
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
     Open() noexcept {}
   };
 
   /// Beyond this share of its radius of curvature a displacement says nothing of the object.
   static constexpr double kMostBent = 0.5;
+  /// Nor does x if the forces turn by more than this share of its own way.
+  static constexpr double kMostPressed = 0.8;
   /// And beyond this share of it the error itself says nothing.
-  static constexpr double kMostFar = 0.05;
+  static constexpr double kMostFar = 0.1;
+  /// Gap errors of several rigid contacts whose gradients are 30 degrees apart or more.
+  static constexpr double kWedge = 2.0;
 
   /// Frobenius norm of the curvature of contact i in W^-1.
   [[nodiscard]] double bend(int i) const noexcept;
   /// The shape of object and tool at contact i; of unknown shape if i does not tell it.
   [[nodiscard]] RoundGap round_gap(const PlaneSet& told, int i) const noexcept;
   [[nodiscard]] Remainder remainder(int i, LastTurn& last) const noexcept;
+  [[nodiscard]] Remainder of_any_shape(int i, const double* z) const noexcept;
   /// How far x may be off. `left`: of curved contacts.
   void proxy_error(double age_error, Remainder* left, ProxyError& out) const noexcept;
   [[nodiscard]] Open what_is_open(double age_error, Remainder* left) const noexcept;
   bool of_one_flat_contact(const Open& open, ProxyError& out) const noexcept;
-  double of_each_contact(const Open& open, const Remainder* left, double* as_gap,
-                         ProxyError& out) const noexcept;
+  [[nodiscard]] double per_gap(const Open& open, int i, double gamma) const noexcept;
+  [[nodiscard]] bool few(const Open& open, double way) const noexcept;
+  double of_each_contact(Open& open, const Remainder* left, ProxyError& out) const noexcept;
   bool grow(const Open& open, double off, const Remainder* left, ProxyError& out) const noexcept;
   [[nodiscard]] bool wedged(const Open& open) const noexcept;
   [[nodiscard]] bool only_minimum(const Open& open, const Remainder* left) const noexcept;

@@ -9,7 +9,7 @@ namespace haptic::core {
 struct ProxyError {
   /// False: the sample is not anchored, or one of its contacts does not tell its uncertainty.
   bool known{false};
-  double everywhere{0.0};  ///< what the anchor left unexplained: of unknown direction
+  double everywhere{0.0};  ///< what leads anywhere, as what the anchor left unexplained
   PlaneSet::Offsets of{};  ///< what each contact adds at most
   /// The contact along whose direction all of `of` lies; -1: in any direction.
   int along{-1};

@@ -39,8 +39,6 @@ TEST(Loan, TheNextHoldKeepsWithinIt) {
   EXPECT_EQ(motion.share(one(4.0), 1e-12), 1.0);
 }
 
-/// 50 g, sampled once per ms, led by a hand that holds 4 N: at rest it goes 4 N (1 ms)^2 / (2 50 g)
-/// = 0.04 mm in the hold in which the hand lets go, and three times as far in the next one.
 /// It keeps back what noise moves q_a by, so that the cap does not follow the noise.
 TEST(Loan, SlowEndKeepsBackNoise) {
   Motion noisy = steady(0.0, 4.0);
@@ -50,6 +48,8 @@ TEST(Loan, SlowEndKeepsBackNoise) {
   EXPECT_NEAR(noisy.share(one(4.0), 1.2e-4, true), 0.5, 1e-12);
 }
 
+/// 50 g, sampled once per ms, led by a hand that holds 4 N: at rest it goes 4 N (1 ms)^2 / (2 50 g)
+/// = 0.04 mm in the hold in which the hand lets go, and three times as far in the next one.
 Motion of_50_g(double dq, double before) {
   return {one(dq), one(dq - before), one(4.0), one(1e-5), {}, one(0.0), {}, one(1e9), 1e-3};
 }

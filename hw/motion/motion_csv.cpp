@@ -91,7 +91,10 @@ struct Place {
   }
   [[noreturn]] void fail(std::string_view column, std::string_view value,
                          const std::string& expected) const {
-    fail("column " + std::string(column) + " = '" + std::string(value) + "': " + expected);
+    std::string part(value.substr(0, 60));
+    std::replace(part.begin(), part.end(), '\0', '?');  // a message ends at a zero byte
+    if (part.size() < value.size()) part += "...";
+    fail("column " + std::string(column) + " = '" + part + "': " + expected);
   }
 };
 
@@ -139,7 +142,7 @@ Selection select(const Place& place, const std::vector<std::string_view>& header
     expected +=
         (a == 0 ? "" : "; or ") + joined(selection.name) + " (missing: " + joined(missing) + ")";
   }
-  place.fail("columns found: " + joined(header) + "; expected " + expected +
+  place.fail("columns found: " + joined(header).substr(0, 1000) + "; expected " + expected +
              ", with commas, semicolons or tabs between them");
 }
 
@@ -195,7 +198,10 @@ std::ifstream open_with_header(const Place& place, std::string& line) {
   std::ifstream in("/proc/self/fd/" + std::to_string(opened), std::ios::binary);
   close(opened);
   if (!std::getline(in, line)) place.fail("is empty; must have a header and at least 2 rows");
-  if (line.find('\0') != std::string::npos) place.fail("is UTF-16; must be saved as UTF-8");
+  if (const auto zero = line.find('\0'); zero != std::string::npos) {
+    const bool wide = zero < 3 || line.starts_with("\xFF\xFE");
+    place.fail(wide ? "is UTF-16; must be saved as UTF-8" : "is no text; must be saved as CSV");
+  }
   if (line.find('\r') < line.size() - 1) place.fail("its lines end with CR; must end with LF");
   return in;
 }
@@ -283,12 +289,10 @@ void require_range(const MotionTable& table, std::size_t column, const core::Dof
     const double value = table.values[column][row];
     if (value >= lower && value <= upper) continue;
     const bool fits = value * other >= lower && value * other <= upper;
+    const char* const doubt = !fits ? "" : metres ? " m: millimetres?" : " rad: degrees?";
     Place{file, table.line[row]}.fail("column " + dof.name + " = " + decimal(value) +
                                       ": must lie within the device's range, " + decimal(lower) +
-                                      " to " + decimal(upper) +
-                                      (!fits    ? ""
-                                       : metres ? " m: millimetres?"
-                                                : " rad: degrees?"));
+                                      " to " + decimal(upper) + doubt);
   }
 }
 

@@ -39,8 +39,8 @@ inline constexpr double kLongestStep = 0.050;  // s
 
 /// The first of `alternatives` whose columns are all in `file`. Throws DeviceError naming the file,
 /// line, column, value and what is expected: no regular file, above 256 MB (said before any of it
-/// is read), empty, UTF-16, a column missing (with the columns found) or twice, a line of more
-/// values than columns, not a finite number, time not increasing, fewer than 2 rows.
+/// is read), empty, UTF-16, no text, a column missing (with the columns found) or twice, a line of
+/// more values than columns, not a finite number, time not increasing, fewer than 2 rows.
 [[nodiscard]] MotionTable read_motion_csv(const std::filesystem::path& file,
                                           const std::vector<ColumnSet>& alternatives);
 

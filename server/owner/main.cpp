@@ -55,7 +55,7 @@ void check_files(const haptic::server::Scene& scene) {
     if (device.source->is_hardware()) continue;
     const auto opened = device.source->open(device.pipeline.kinematics, {});
     for (const std::string& note : opened->info().notes) {
-      std::cerr << "warning: " << device.name << ": " << note << "\n";
+      std::cerr << "warning: " << haptic::wire::printable(device.name + ": " + note) << "\n";
     }
   }
   if (!scene.record) return;
@@ -213,7 +213,9 @@ std::string shipped_scenes() {
 int refuse(const std::string& why, int status) {
   const char* const priority = haptic::server::stderr_is_journal() ? "<3>" : "";
   std::istringstream lines("hapticd: " + why);
-  for (std::string line; std::getline(lines, line);) std::cerr << priority << line << "\n";
+  for (std::string line; std::getline(lines, line);) {
+    std::cerr << priority << haptic::wire::printable(line) << "\n";
+  }
   return status;
 }
 

@@ -55,6 +55,8 @@ says 1 'missing: q_o2_pip_rad' "$hapticd" --scene "$scene" --check-scene \
 says 1 'missing: q_o2_pip_rad' "$hapticd" --scene "$scene" --listen "unix:$folder/s" \
   --set "$motion=$folder/column.csv"
 says 1 'nonsense' "$hapticd" --scene "$scene" --check-scene --set "$motion=$folder/number.csv"
+printf 'time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,\342\200\256,0\n' >"$folder/turns.csv"
+says 1 '\xe2\x80\xae' "$hapticd" --scene "$scene" --check-scene --set "$motion=$folder/turns.csv"
 says 0 'ok' "$hapticd" --scene "$scene" --check-scene
 printf 'time_s,q_o1_mcp_rad,q_o2_pip_rad\n0,0,0\n0.01,0,0\n' >"$folder/run.csv"
 ln "$folder/run.csv" "$folder/link.csv"

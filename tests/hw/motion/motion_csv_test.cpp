@@ -85,6 +85,7 @@ TEST(MotionCsv, NamesAnotherFormat) {
            {"time_s,l_x,q_B\r0,1,2\r", "motion.csv: its lines end with CR; must end with LF"},
            {std::string("\xFF\xFEt\0i\0m\0e\0", 10),
             "motion.csv: is UTF-16; must be saved as UTF-8"},
+           {std::string("PK\3\4\0\0", 6), "motion.csv: is no text; must be saved as CSV"},
            {"time_s,l_x,q_B\n1.6e18,1,2\n",
             "column time_s = '1.6e18': must lie within +-9e9 s (ms, us or ns?)"}}) {
     EXPECT_THAT(error_of(text), HasSubstr(sentence)) << text;
@@ -140,6 +141,8 @@ TEST(MotionCsv, NamesTheNonNumericValue) {
                       HasSubstr("'" + std::string(value) + "'"), HasSubstr("finite number")))
         << value;
   }
+  EXPECT_THAT(error_of(start + "1,2,\x1b[2J" + '\0' + std::string(1000, 'x') + "\n"),
+              HasSubstr("'\x1b[2J?" + std::string(55, 'x') + "...': must be a finite number"));
 }
 
 TEST(MotionCsv, SpanFitsAClockOfNanoseconds) {

@@ -46,8 +46,7 @@ class HttpConnection final : public WebConnection,
   [[nodiscard]] PlainStream& lowest() { return stream_.next_layer(); }
   [[nodiscard]] const Head& head() const { return parser_->get(); }
   [[nodiscard]] std::string_view field(http::field name) const {
-    if (head().count(name) > 1) return "told twice";  // which counts, others may see otherwise
-    const auto value = head()[name];
+    const auto value = head().count(name) > 1 ? "told twice" : head()[name];  // of two, none counts
     return {value.data(), value.size()};
   }
   [[nodiscard]] std::string_view target() const {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "tests/mujoco/mujoco_world.hpp"
@@ -146,6 +147,20 @@ TEST(NearContacts, TwoFingersTouchEachOther) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].contact.gap, 0.03, 1e-12);
   compare(still, 1e-3, 50.0);
+}
+
+TEST(NearContacts, RoundBodiesWithOneMiddleAreFlat) {
+  const std::string ball = R"(<geom type="sphere" pos="0.05 0 0" size="0.01" mass="0.01"/></body>)";
+  Still still("<mujoco><worldbody><body><joint name=\"a\" type=\"hinge\" axis=\"0 0 1\"/>" + ball +
+                  "<body><joint name=\"b\" type=\"hinge\" axis=\"0 0 1\"/>" + ball + "<body>" +
+                  ball + "</worldbody></mujoco>",
+              {joint("a", 0), joint("b", 1)});
+  const auto found = still.find();
+  ASSERT_EQ(found.size(), 3u);
+  for (const NearContact& each : found) {
+    EXPECT_EQ(each.contact.curvature, client::Curvature3{});
+    for (const double part : each.contact.normal) EXPECT_TRUE(std::isfinite(part));
+  }
 }
 
 TEST(NearContacts, PushedObjectHasItsOwnLaw) {

@@ -24,6 +24,9 @@ double radius_of(const mjModel& model, int geom) {
   return type == mjGEOM_SPHERE || type == mjGEOM_CAPSULE ? model.geom_size[3 * geom] : 0.0;
 }
 
+/// Round bodies whose middles are closer have no curvature at this point, m; they are told as flat.
+constexpr double kLeastApart = 1e-6;
+
 /// Curvature of the object's gap to the centre of a round part of the tool, `from_surface` away
 /// from it.
 client::Curvature3 curvature_of(const mjModel& model, const mjData& data, int geom,
@@ -31,6 +34,7 @@ client::Curvature3 curvature_of(const mjModel& model, const mjData& data, int ge
                                 double from_surface) {
   const int type = model.geom_type[geom];
   const mjtNum* size = model.geom_size + 3 * geom;
+  if (size[0] + from_surface < kLeastApart) return {};
   if (type == mjGEOM_SPHERE) return client::sphere_curvature(normal, size[0] + from_surface);
   if (type != mjGEOM_CAPSULE && type != mjGEOM_CYLINDER) return {};
   const mjtNum* frame = data.geom_xmat + 9 * geom;
@@ -143,8 +147,10 @@ std::vector<NearContact> NearContacts::find(const mjModel& model, mjData& data,
       const double other_radius = radius_of(model, other);
       const Vector3 middle_of_other = add(beyond, -other_radius, told.normal);
       told.point = difference(told.point, tool_->point_on(data, object, middle_of_other, x));
-      if (radius > 0.0 && other_radius > 0.0 && told.point.jacobian.size() <= kMostCurved) {
-        told.curvature = client::sphere_curvature(told.normal, radius + c.dist + other_radius);
+      const double apart = radius + c.dist + other_radius;
+      if (radius > 0.0 && other_radius > 0.0 && apart >= kLeastApart &&
+          told.point.jacobian.size() <= kMostCurved) {
+        told.curvature = client::sphere_curvature(told.normal, apart);
       }
       give += tool_->give(data, object, beyond, told.normal);
     } else {

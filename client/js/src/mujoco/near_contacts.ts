@@ -47,6 +47,9 @@ function difference(a: PointMap, b: PointMap): PointMap {
   return out;
 }
 
+/** Round bodies whose middles are closer have no curvature at this point, m: told as flat. */
+const LEAST_APART = 1e-6;
+
 export class NearContacts {
   private readonly surroundings: Surroundings;
   private readonly ids = new ContactIds();
@@ -107,8 +110,10 @@ export class NearContacts {
       const otherRadius = this.radiusOf(other);
       told.point = difference(told.point,
                               tool.pointOn(object, add(beyond, -otherRadius, normal), x));
-      if (radius > 0 && otherRadius > 0 && told.point.jacobian.length <= MOST_CURVED) {
-        told.curvature = sphereCurvature(normal, radius + c.dist + otherRadius);
+      const apart = radius + c.dist + otherRadius;
+      if (radius > 0 && otherRadius > 0 && apart >= LEAST_APART &&
+          told.point.jacobian.length <= MOST_CURVED) {
+        told.curvature = sphereCurvature(normal, apart);
       }
       give += tool.give(object, beyond, normal);
     } else {
@@ -139,6 +144,7 @@ export class NearContacts {
                       fromSurface: number): Curvature3 | undefined {
     const { mj: { mjtGeom }, fixed } = this.engine, type = fixed.geomType[geom];
     const [radius, half] = fixed.geomSize.slice(3 * geom, 3 * geom + 2) as [number, number];
+    if (radius + fromSurface < LEAST_APART) return undefined;
     if (type === mjtGeom.mjGEOM_SPHERE.value) return sphereCurvature(normal, radius + fromSurface);
     const capsule = type === mjtGeom.mjGEOM_CAPSULE.value;
     if (!capsule && type !== mjtGeom.mjGEOM_CYLINDER.value) return undefined;

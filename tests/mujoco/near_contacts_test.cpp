@@ -149,7 +149,7 @@ TEST(NearContacts, TwoFingersTouchEachOther) {
   compare(still, 1e-3, 50.0);
 }
 
-TEST(NearContacts, RoundBodiesWithOneMiddleAreFlat) {
+TEST(NearContacts, BodiesWithOneMiddleAreFlat) {
   const std::string ball = R"(<geom type="sphere" pos="0.05 0 0" size="0.01" mass="0.01"/></body>)";
   Still still("<mujoco><worldbody><body><joint name=\"a\" type=\"hinge\" axis=\"0 0 1\"/>" + ball +
                   "<body><joint name=\"b\" type=\"hinge\" axis=\"0 0 1\"/>" + ball + "<body>" +

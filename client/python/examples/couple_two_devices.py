@@ -5,10 +5,10 @@ The device that is led is moved by its proxy on and on, which takes energy. The 
 scene gives out no more than its user put in, so the led hand feels little of what the leading hand
 feels, unless the scene of the led device says how much power its user may be given:
 
-    hapticd --scene finger_soft_grasp --listen 127.0.0.1:29470
-    hapticd --scene finger_constant --listen 127.0.0.1:29480 \\
+    hapticd --scene finger_soft_grasp
+    hapticd --scene finger_constant --listen unix:/tmp/led \\
         --set 'device[0].passivity.tank={allowed_power_w: 1}'
-    couple_two_devices.py --server 127.0.0.1:29470 --other 127.0.0.1:29480
+    couple_two_devices.py --other unix:/tmp/led
 
 With allowed_power_w: 0, the default, the second hand feels nothing, and its limiter ENERGY_TANK is
 there all the time.

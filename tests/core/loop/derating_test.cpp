@@ -330,6 +330,7 @@ TEST(Derating, ErrorBoundFollowsTheStiffness) {
       contact(proxy);
       proxy.planes.compliance = VecX::Constant(1, 3.0);
       proxy.planes.uncertainty = VecX::Constant(1, 0.2);
+      proxy.x = VecX::Constant(1, 0.0095);  // with the joint at 0.01 m, and the plane at 0.008
     };
     loop->engage();
     loop->input.device.sample.q[0] = 0.011;

@@ -6,9 +6,9 @@ scene gives out no more than its user put in, so the led hand feels little of wh
 feels, unless the scene of the led device says how much power its user may be given:
 
     hapticd --scene finger_soft_grasp
-    hapticd --scene finger_constant --listen unix:/tmp/led \\
+    hapticd --scene finger_constant --listen unix:/run/led.sock \\
         --set 'device[0].passivity.tank={allowed_power_w: 1}'
-    couple_two_devices.py --other unix:/tmp/led
+    couple_two_devices.py --other unix:/run/led.sock
 
 With allowed_power_w: 0, the default, the second hand feels nothing, and its limiter ENERGY_TANK is
 there all the time.

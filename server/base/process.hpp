@@ -11,8 +11,8 @@ namespace haptic::server {
 /// Its part that is no file's: programs and libraries come and go as the kernel likes.
 [[nodiscard]] std::uint64_t own_bytes();
 
-/// Unmaps the pages of programs and libraries that nothing has changed, because the start used many
-/// of them for the only time. The kernel maps a page again when it is used.
+/// Unmaps the pages of programs and libraries that nothing has changed. Only the start uses many of
+/// them. The kernel maps a page again when it is used.
 void forget_the_start();
 
 /// 128 bits from the kernel, in hex. So few never fail once the system has started, unlike the

@@ -49,10 +49,9 @@ class Sensing {
 
   const DofLayout layout_;
   const DeviceLimits limits_;
-  const VecQ
-      per_slow_;      ///< n_q, s/m or s/rad: 1 by the speed at which a low-pass lags half as much
-  const VecQ lag_;    ///< n_q, s: the low-pass lags no more
-  const bool ahead_;  ///< q_a is low-passed
+  const VecQ per_slow_;  ///< n_q, s/m or s/rad: 1 / speed at which a low-pass lags half as much
+  const VecQ lag_;       ///< n_q, s: the low-pass lags no more
+  const bool ahead_;     ///< q_a is low-passed
   const bool needs_force_;
   std::optional<PalmTracker> tracker_{};
   Rate rate_;

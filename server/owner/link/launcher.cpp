@@ -84,8 +84,8 @@ void take_means_away(const FrontLimits& limits) {
   static_cast<void>(::write(first.get(), "1000", 4) == 4);
 }
 
-/// Gives every right away. Root becomes the user nobody, in nobody's group alone. One capability
-/// stays until exec() takes it: with it nobody may run a program that only root may read.
+/// Gives every right away. Root becomes user and group 65534, without other groups. One capability
+/// stays until exec() takes it: it lets this user run a program that only root may read.
 void take_rights_away() {
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   for (unsigned long capability = 0; capability <= CAP_LAST_CAP; ++capability) {

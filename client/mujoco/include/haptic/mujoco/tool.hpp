@@ -70,9 +70,9 @@ class Tool {
   /// `model` and `data` stay the caller's, and must live longer. Changes in `model`: limits,
   /// friction and actuators of the tool's joints are off, and margin and gap of the tool's geoms
   /// grow by the horizon in which contacts are told, without a change of where force begins. A
-  /// second joint of a coordinate may get armature. In `data` qfrc_applied of the tool's DoFs, and
-  /// of those that carry a bound site or body, is the tool's: put forces of your own into
-  /// xfrc_applied. Runs mj_forward.
+  /// second joint of a coordinate may get armature. In `data` the tool writes qfrc_applied of its
+  /// DoFs, and of DoFs that carry a bound site or body. Put forces of your own into xfrc_applied.
+  /// Runs mj_forward.
   ///
   /// Throws std::invalid_argument, which names binding, value and what is allowed, for these: an
   /// unknown name, a joint that is bound twice, a coordinate that is so but by joints, has no
